@@ -191,6 +191,8 @@ export interface FieldMessage {
   drive_area: number[];
   /** xmin, ymin, xmax, ymax [m] of ``/api/field.png``. */
   extent: number[];
+  /** Where the camera of the 3D view is at first [m]; it looks at the middle of ``extent``. */
+  view_home: [number, number, number];
   start: PoseMessage;
   /** The robot's outline on the floor [m], in the robot frame. */
   robot_outline: [number, number][];

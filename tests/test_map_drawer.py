@@ -6,6 +6,7 @@ import errno
 import math
 import threading
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -96,7 +97,22 @@ def test_a_stroke_that_is_deleted_is_not_in_the_map(mapped, tmp_path):
     ]
     field = field_of_drawing(drawer.drawing.result.drawing("three sides"), "three")
     assert len(field.edges) < 16
-    drawer._drawing = before
+    drawer._shown.now = before
+
+
+def test_a_finished_map_is_not_lost_before_it_is_saved(mapped, tmp_path):
+    drawer, before = mapped.drawer, replace(mapped.drawer.drawing, saved=False)
+    drawer._shown.now = before
+    for act in (drawer.begin, drawer.explore, drawer.require_none_lost):
+        with pytest.raises(CommandError, match="a map is finished; save or discard it first"):
+            act()
+    drawer.save("kitchen", tmp_path)
+    drawer.require_none_lost()
+    # What is changed afterwards is in no file.
+    drawer.delete_stroke(1, before.version)
+    with pytest.raises(CommandError, match="save or discard it first"):
+        drawer.require_none_lost()
+    drawer._shown.now = before
 
 
 @pytest.mark.parametrize("name", ["", "../up", "a/b", "x" * 61, ".hidden", "a b"])
@@ -145,7 +161,7 @@ def test_what_is_not_there_cannot_be_finished_saved_or_discarded(bench, tmp_path
 
 def test_one_map_at_a_time(bench):
     bench.drawer.begin()
-    with pytest.raises(CommandError, match="drawn already"):
+    with pytest.raises(CommandError, match="a map is drawn; finish"):
         bench.drawer.begin()
     with pytest.raises(CommandError, match="nothing is drawn yet"):
         bench.drawer.finish()

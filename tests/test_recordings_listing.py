@@ -30,14 +30,20 @@ def folder(tmp_path):
 
 @pytest.fixture
 def get(folder):
-    app = FastAPI()
-    app.include_router(recordings_router(lambda: folder))
+    return requests_to(recordings_router(lambda: folder))
 
-    async def ask(path, content=None):
+
+def requests_to(router):
+    app = FastAPI()
+    app.include_router(router)
+
+    async def ask(path, content=None, method=None):
         transport = httpx.ASGITransport(app)
-        method = "GET" if content is None else "PUT"
+        method = method or ("GET" if content is None else "PUT")
         async with httpx.AsyncClient(transport=transport, base_url="http://robot") as client:
-            return await client.request(method, path, content=content)
+            return await client.request(
+                method, path, content=content, headers={"Content-Type": "application/json"}
+            )
 
     return lambda *request: anyio.run(ask, *request)
 
@@ -147,3 +153,25 @@ def test_an_upload_to_a_folder_that_is_none_is_told_in_words(put, folder):
     folder.write_text("a file")
     answer = put("/api/recordings/new", b"")
     assert (answer.status_code, "nothing can be kept in" in answer.text) == (409, True)
+
+
+@pytest.mark.parametrize("opened", ["first", "first/first_0.mcap"])
+def test_what_is_open_stays_where_it_is(folder, opened):
+    ask = requests_to(recordings_router(lambda: folder, folder / opened))
+    for content, method in ((None, "DELETE"), ('{"name": "other"}', "PATCH")):
+        answer = ask("/api/recordings/first", content, method)
+        assert answer.status_code == 409
+        assert answer.json()["detail"] == "first is open; go back to the robot first"
+    assert ask("/api/recordings/third", None, "DELETE").status_code == 204
+    assert [item["name"] for item in ask("/api/recordings").json()] == ["second", "first"]
+
+
+def test_what_a_killed_upload_left_is_removed_by_the_next(put, folder):
+    old, new = folder / ".new-old", folder / ".new-new"
+    for left in (old, new):
+        left.mkdir()
+        (left / "new.mcap").write_bytes(b"half")
+    os.utime(old, (1e9, 1e9))
+    put("/api/recordings/text", b"no recording")
+    assert not old.exists()
+    assert new.exists()

@@ -88,6 +88,10 @@ def guarded(clock: Clock) -> FastAPI:
     def page(request: Request) -> dict[str, str]:
         return {"role": role_in(request.scope).value}
 
+    @app.post("/api/view/page/home")
+    def look() -> None:
+        pass
+
     @app.websocket("/live")
     async def live(socket: WebSocket) -> None:
         offered = socket.scope["subprotocols"]
@@ -193,7 +197,8 @@ def test_without_a_token_a_browser_gets_a_form_and_a_program_a_sentence(client: 
     assert "Authorization: Bearer" in sentence.text
 
 
-def test_the_watch_token_reads_only(client: Client) -> None:
+def test_the_watch_token_reads_and_moves_its_own_view_only(client: Client) -> None:
+    assert client.get("/api/view/page/home?token=watch-me", "POST").status_code == 200
     answer = client.get("/?token=watch-me", "POST")
     assert (answer.status_code, answer.text) == (403, "This token only watches.")
     assert client.get("/?token=drive-me", "POST").status_code == 200

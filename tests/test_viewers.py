@@ -4,11 +4,20 @@ from __future__ import annotations
 
 import pytest
 import viser
+from apps import listening
+from httpx import get
 from serving import until
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import ClientConnection, connect
 
+from app.engine.build import build_program
+from app.engine.engine_thread import EngineThread
+from app.page.outlets import Outlets
+from app.page.server import create_app
+from app.page.view.cameras import Cameras
 from app.page.view.viewers import PROTOCOL
+from app.settings.config import Config
+from sim.real_time import RealTime
 
 
 def view(server, *protocols: str) -> ClientConnection:
@@ -49,3 +58,26 @@ def test_a_viewer_that_has_gone_leaves_nothing_open(server, live) -> None:
         with view(server, PROTOCOL) as socket:
             socket.recv(timeout=20)
     until(live, lambda now: server.descriptors() <= before)
+
+
+def test_a_page_that_has_gone_has_no_camera(monkeypatch) -> None:
+    made: list[Cameras] = []
+    begin = Cameras.__init__
+
+    def noted(self: Cameras, *given: object) -> None:
+        made.append(self)
+        begin(self, *given)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(Cameras, "__init__", noted)
+    program = build_program(Config(robot="kinematic", map="square"), RealTime())
+    app = create_app(program, EngineThread(program.engine), Outlets(program))
+    with listening(app) as address:
+        with connect(f"ws://{address}/view/mine", subprotocols=[PROTOCOL], max_size=None) as socket:
+            socket.recv(timeout=20)
+            [cameras] = made
+            assert list(cameras._clients) == ["mine"]
+        for _ in range(500):
+            if not cameras._clients:
+                break
+            get(f"http://{address}/api/health")
+        assert not cameras._clients

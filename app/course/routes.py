@@ -13,6 +13,8 @@ from app.course.lesson import Lesson, lesson_of, lessons
 from app.course.lesson_text import parsed
 from app.messages.answers import content, refusal
 from app.page.language import language_of, page
+from app.page.token_guard import role_in
+from app.page.tokens import Role
 from app.settings.config import FRONTEND
 from robot.settings import SettingError
 
@@ -46,7 +48,9 @@ def course_router(file: Path, folder: Path | None = None) -> APIRouter:
     @router.get("/api/lessons/{number}", responses=NO_LESSON)
     def lesson(number: int, request: Request) -> dict[str, Any]:
         """A lesson's text in the page's language, in sections of HTML."""
-        return _content(_lesson(number, folder), language_of(request).language, file)
+        # Who watches needs no path of this computer.
+        shown = file if role_in(request.scope) is Role.DRIVE else Path(file.name)
+        return _content(_lesson(number, folder), language_of(request).language, shown)
 
     @router.get("/api/lessons/{number}/picture.svg", response_class=Response,
                 responses=NO_LESSON | content("image/svg+xml"))  # fmt: skip

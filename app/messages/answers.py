@@ -45,6 +45,8 @@ class FieldMessage(Message):
     """xmin, ymin, xmax, ymax [m] of the free part, where robots drive."""
     extent: list[float]
     """xmin, ymin, xmax, ymax [m] of ``/api/field.png``."""
+    view_home: tuple[float, float, float]
+    """Where the camera of the 3D view is at first [m]; it looks at the middle of ``extent``."""
     start: PoseMessage
     robot_outline: list[tuple[float, float]]
     """The robot's outline on the floor [m], in the robot frame."""

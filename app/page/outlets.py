@@ -205,12 +205,12 @@ class Outlets:
         """Go on with another field.
 
         Raises:
-            CommandError: there is no such field, another client drives, or a map is drawn.
+            CommandError: there is no such field, another client drives, or a map would be lost.
         """
         if self._change_map is None:
             raise CommandError("this program cannot load another field; start it anew")
         self.drivers.require_free(driver)
-        self.mapping.require_idle()
+        self.mapping.require_none_lost()
         name = field_named(command.name, self._maps)
         try:
             load_field(name, MAPS)
@@ -222,12 +222,12 @@ class Outlets:
         """Go on with a recording in place of the robot.
 
         Raises:
-            BrickPoseError: it cannot be replayed, another client drives, or a map is drawn.
+            BrickPoseError: it cannot be replayed, another client drives, or a map would be lost.
         """
         if self._go_on is None:
             raise CommandError("this program cannot open a recording; brickpose replay does")
         self.drivers.require_free(driver)
-        self.mapping.require_idle()
+        self.mapping.require_none_lost()
         item = find(self._program.config.recording.path(), name)
         following = replay_after(self._program, item.file.parent)
         self._go_on(lambda: following)

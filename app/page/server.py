@@ -54,6 +54,7 @@ from app.page.tokens import Role, Tokens
 from app.page.view.cameras import Look
 from app.page.view.view import View
 from app.recordings.contents import contents_of
+from app.recordings.replay.recorded_robot import replayed
 from app.recordings.routes import contents_router, recordings_router
 from app.ros2.websocket_routes import Foxglove, Rosbridge
 from app.settings.config import FRONTEND
@@ -121,7 +122,7 @@ def create_app(
     app.include_router(calibration_router(program, outlets.calibrator))
     app.include_router(mapping_router(outlets.mapping))
     app.include_router(faults_router(program))
-    app.include_router(recordings_router(program.config.recording.path))
+    app.include_router(recordings_router(program.config.recording.path, replayed(program.robot)))
     app.include_router(contents_router(lambda: contents_of(program)))
     for router in routers:
         app.include_router(router)

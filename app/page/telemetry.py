@@ -29,6 +29,7 @@ from app.page.calibration import drive_message
 from app.page.mapping import mapping_message
 from app.page.outlets import Outlets
 from app.page.thresholds import LONGEST_STEP_M, STALE_S
+from app.page.view.cameras import home
 from app.recordings.replay.opening import ReplayProgram
 from app.settings.faults import changed_faults
 from robot.geometry import Array, Pose2
@@ -150,10 +151,12 @@ def field_message(program: Program) -> FieldMessage:
     scanner = (latest and latest.scanner) or controls.localization.scanner
     drive, initial = program.config.drive, program.config.localization.filter
     lines = scanner.table.lines(9).round(1).tolist()
+    view_home = home(field.floor.extent).round(3).tolist()
     return FieldMessage(
         name=field.name,
         drive_area=list(field.drive_area),
         extent=list(field.floor.extent),
+        view_home=(view_home[0], view_home[1], view_home[2]),
         start=PoseMessage(x=field.start.x, y=field.start.y, theta=field.start.theta),
         robot_outline=[(x, y) for x, y in spec.outline.round(4).tolist()],
         robot_measured=spec.measured,

@@ -23,6 +23,8 @@ SUBPROTOCOL = "brickpose.token."
 PAGES = re.compile(r"/|/lens|/learn(/\d+)?")
 """Where people without a token are asked for it."""
 READING = frozenset(["GET", "HEAD", "OPTIONS"])
+LOOKING = "/api/view/"
+"""What is sent there moves a page's own view, and nothing of the robot's."""
 NO_TOKEN = (
     "This robot asks for a token. Open the link that the program printed, or send the header "
     "Authorization: Bearer TOKEN."
@@ -87,7 +89,8 @@ class TokenRequired:
                 self._guessing.wrong(address, tokens[0], stamp)
             return _no_token(request), Role.WATCH
         self._guessing.right(address)
-        if role is Role.WATCH and request.scope.get("method", "GET") not in READING:
+        reads = request.scope.get("method", "GET") in READING
+        if role is Role.WATCH and not reads and not request.url.path.startswith(LOOKING):
             return PlainTextResponse("This token only watches.", 403), role
         return None, role
 

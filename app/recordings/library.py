@@ -30,6 +30,11 @@ NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,199}")
 LARGEST_METADATA = 1_000_000
 """Largest ``metadata.yaml`` [bytes]; BrickPose writes no larger one."""
 
+UPLOADS = ".new-"
+"""Begins the names of folders into which files are uploaded."""
+LEFT_S = 86400.0
+"""One that is older than this was left when the program was killed [s]."""
+
 _Loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
@@ -187,6 +192,13 @@ def add(parent: Path, name: str, file: Path) -> None:
     whole.mkdir()
     file.rename(whole / f"{name}_0.mcap")
     whole.rename(parent / name)
+
+
+def remove_left(parent: Path) -> None:
+    """Remove what is left of uploads that were cut off."""
+    for folder in parent.glob(f"{UPLOADS}*"):
+        if time.time() - folder.stat().st_mtime > LEFT_S:
+            shutil.rmtree(folder, ignore_errors=True)
 
 
 def _require_free(parent: Path, name: str) -> None:

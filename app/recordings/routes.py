@@ -20,6 +20,7 @@ from app.messages.recordings import ChangeMessage, RecordingEntry
 from app.recordings.attachments import Attachment, Contents
 from app.recordings.files.recorded import RecordingError
 from app.recordings.library import (
+    UPLOADS,
     Listed,
     add,
     annotate,
@@ -27,6 +28,7 @@ from app.recordings.library import (
     find,
     listed,
     picture_in,
+    remove_left,
     rename,
 )
 from robot.errors import BrickPoseError
@@ -34,6 +36,8 @@ from robot.errors import BrickPoseError
 MEDIA_TYPE = "application/octet-stream"
 FILE = content(MEDIA_TYPE) | refusal(404, "no such recording")
 PICTURE = content("image/jpeg") | refusal(404, "no such recording, or no picture in it")
+PICTURE_KEPT = "private, max-age=86400"
+"""The page asks for the picture with the time at which the recording was written."""
 CHANGE = refusal(409, "no such recording, a name that is taken, or a file that is none")
 BLOCK = 1 << 20
 """Block size for reading a file that is still being written [bytes]."""
@@ -41,8 +45,13 @@ KEPT_FREE = 64 << 20
 """Uploads leave this much of the disk [bytes] to a running recording, the pose file and maps."""
 
 
-def recordings_router(folder: Callable[[], Path]) -> APIRouter:
-    """List and serve the recordings of a folder; ``folder`` is called at each request."""
+def recordings_router(folder: Callable[[], Path], opened: Path | None = None) -> APIRouter:
+    """List, serve and change the recordings of a folder.
+
+    Args:
+        folder: returns the folder; called at each request.
+        opened: file or folder of the recording that this program replays, which must stay.
+    """
     router = APIRouter()
 
     @router.get("/api/recordings")
@@ -71,11 +80,11 @@ def recordings_router(folder: Callable[[], Path]) -> APIRouter:
             return _so_far(result)
         return FileResponse(result.file, media_type=MEDIA_TYPE, filename=f"{name}.mcap")
 
-    _add_changes(router, folder)
+    _add_changes(router, folder, opened)
     return router
 
 
-def _add_changes(router: APIRouter, folder: Callable[[], Path]) -> None:
+def _add_changes(router: APIRouter, folder: Callable[[], Path], opened: Path | None) -> None:
     @router.get("/api/recordings/{name}/picture", response_class=Response, responses=PICTURE)
     def picture(name: str) -> Response:
         """A picture that the robot saw in the middle of the recording."""
@@ -83,7 +92,7 @@ def _add_changes(router: APIRouter, folder: Callable[[], Path]) -> None:
             jpeg = picture_in(find(folder(), name))
         if jpeg is None:
             raise HTTPException(404, "the recording has no picture")
-        return Response(jpeg, media_type="image/jpeg")
+        return Response(jpeg, media_type="image/jpeg", headers={"Cache-Control": PICTURE_KEPT})
 
     @router.patch("/api/recordings/{name}", status_code=204, responses=CHANGE)
     def change(name: str, wanted: ChangeMessage) -> None:
@@ -92,12 +101,14 @@ def _add_changes(router: APIRouter, folder: Callable[[], Path]) -> None:
             if wanted.notes is not None:
                 annotate(folder(), name, wanted.notes)
             if wanted.name is not None and wanted.name != name:
+                _require_closed(folder(), name, opened)
                 rename(folder(), name, wanted.name)
 
     @router.delete("/api/recordings/{name}", status_code=204, responses=CHANGE)
     def remove(name: str) -> None:
         """Delete a recording."""
         with _refused(409):
+            _require_closed(folder(), name, opened)
             delete(folder(), name)
 
     @router.put("/api/recordings/{name}", status_code=204, responses=CHANGE)
@@ -107,13 +118,21 @@ def _add_changes(router: APIRouter, folder: Callable[[], Path]) -> None:
         with _refused(409):
             try:
                 parent.mkdir(parents=True, exist_ok=True)
-                with TemporaryDirectory(dir=parent, prefix=".new-") as made:
+                remove_left(parent)
+                with TemporaryDirectory(dir=parent, prefix=UPLOADS) as made:
                     file = Path(made) / "new.mcap"
                     await _receive(request, file)
                     await run_in_threadpool(add, parent, name, file)
             except OSError as error:
                 why = error.strerror or error
                 raise RecordingError(f"nothing can be kept in {parent}: {why}") from error
+
+
+def _require_closed(parent: Path, name: str, opened: Path | None) -> None:
+    file = find(parent, name).file.resolve()
+    # The command line opens files, and the page folders.
+    if opened is not None and opened.resolve() in (file, file.parent):
+        raise RecordingError(f"{name} is open; go back to the robot first")
 
 
 async def _receive(request: Request, path: Path) -> None:

@@ -24,6 +24,10 @@ NONE = "none"
 """Setting that leaves a robot as it is described."""
 BEFORE = ".before"
 """Ends the name of the file that keeps a profile when another one is written over it."""
+USUAL_SD = 0.003
+"""How exactly a focal length is known whose file does not tell [by itself]."""
+CAMERA = slice(ROTATION.start, SHIFT.stop)
+"""The unknowns of the mounting."""
 
 
 def own_profile(robot: str) -> Path:
@@ -58,12 +62,6 @@ def written_file(config: Config) -> Path | None:
 def before(path: Path) -> Path:
     """Return the file that keeps the profile from before."""
     return path.with_name(path.name + BEFORE)
-
-
-USUAL_SD = 0.003
-"""How exactly a focal length is known whose file does not tell [by itself]."""
-CAMERA = slice(ROTATION.start, SHIFT.stop)
-"""The unknowns of the mounting."""
 
 
 def profile_before(path: Path, spec: RobotSpec) -> Profile:

@@ -11,8 +11,6 @@ import { calm, findWebGl } from "./webgl.js";
 
 /** Names this page's viewer, so that its camera can be moved. */
 const PAGE = Math.random().toString(36).slice(2, 12);
-/** Position of the view's camera from the field's centre, in sizes of the field. */
-const EYE = [-0.34, -0.48, 0.52];
 const LATER_MS = 500;
 /** Interval between looks whether the scene is drawn [ms]. */
 const LOOK_AGAIN_MS = 300;
@@ -89,7 +87,7 @@ export class View3d {
     this.#frame?.remove();
     this.#frame = document.createElement("iframe");
     this.#frame.title = t("The scene in 3D");
-    this.#frame.src = address(this.#field.extent, this.#theme === "dark");
+    this.#frame.src = address(this.#field, this.#theme === "dark");
     this.#frame.onload = () => this.#loaded();
     this.#box.prepend(this.#frame);
   }
@@ -133,14 +131,11 @@ export class View3d {
   }
 }
 
-/** @param {number[]} extent @param {boolean} dark */
-function address([xmin, ymin, xmax, ymax], dark) {
-  const [x, y] = [(xmin + xmax) / 2, (ymin + ymax) / 2];
-  const size = Math.max(xmax - xmin, ymax - ymin);
-  const eye = [x + EYE[0] * size, y + EYE[1] * size, EYE[2] * size];
+/** @param {FieldMessage} field @param {boolean} dark */
+function address({ extent: [xmin, ymin, xmax, ymax], view_home }, dark) {
   const words = [
-    `initialCameraPosition=${eye.map((part) => part.toFixed(3))}`,
-    `initialCameraLookAt=${x},${y},0`,
+    `initialCameraPosition=${view_home}`,
+    `initialCameraLookAt=${(xmin + xmax) / 2},${(ymin + ymax) / 2},0`,
   ];
   return `/view/${PAGE}/?${[...words, ...(dark ? ["darkMode"] : [])].join("&")}`;
 }

@@ -35,6 +35,13 @@ class Drawing:
     """Where odometry began in the map."""
     words: str | None = None
     """What is wrong or missing, or why it failed."""
+    saved: bool = False
+    """Whether the whole map is in a file, as it is now."""
+
+    @property
+    def would_be_lost(self) -> bool:
+        """Whether another drawing, or another program, would lose it."""
+        return self.state in ("draw", "finish") or (self.state == "done" and not self.saved)
 
 
 class ShownDrawing:

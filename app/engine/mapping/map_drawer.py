@@ -81,11 +81,11 @@ class MapDrawer:
             paused: whether it begins with a pause.
 
         Raises:
-            CommandError: one is drawn already.
+            CommandError: one is drawn already, or is finished and not saved.
         """
         with self._lock:
-            if self._follower.running and not discard:
-                raise CommandError("a map is drawn already; finish or discard that one first")
+            if not discard:
+                self.require_none_lost()
             self.close()
             self._work.finish.clear()
             self._work.asked.take()
@@ -97,11 +97,9 @@ class MapDrawer:
         """Give routes to a robot that explores from now on; without a map, begin one.
 
         Raises:
-            CommandError: the last map is finished, and neither saved nor discarded.
+            CommandError: the last map is finished and not saved.
         """
         if not self._follower.running:
-            if self.drawing is not None and self.drawing.state == "done":
-                raise CommandError("the map is finished; save or discard it first")
             self.begin()
         self._work.exploration = Exploration(self._program)
 
@@ -145,13 +143,16 @@ class MapDrawer:
         """
         self._done()
 
-    def require_idle(self) -> None:
-        """Refuse what would lose a map that is drawn now.
+    def require_none_lost(self) -> None:
+        """Refuse what would lose a map.
 
         Raises:
-            CommandError: one is drawn.
+            CommandError: one is drawn, or is finished and not saved.
         """
-        if self._follower.running:
+        drawing = self.drawing
+        if drawing is not None and drawing.would_be_lost:
+            if drawing.state == "done":
+                raise CommandError("a map is finished; save or discard it first")
             raise CommandError("a map is drawn; finish or discard it first")
 
     def delete_stroke(self, number: int, version: int) -> None:
@@ -205,7 +206,9 @@ class MapDrawer:
                 changed = replace(drawn, tidy=change(drawn.tidy))
             except ValueError as error:
                 raise CommandError(str(error)) from error
-            self._shown.change(changed.cells(self._side), result=changed, version=version + 1)
+            self._shown.change(
+                changed.cells(self._side), result=changed, version=version + 1, saved=False
+            )
 
     def save(self, name: str, folder: Path) -> Path:
         """Write the map to a folder, under a new name; return the drawing's file.
@@ -231,6 +234,8 @@ class MapDrawer:
                 write_map(drawn, path, f"Drawn by driving: {name}")
             except (OSError, FieldError) as error:
                 raise CommandError(f"the map cannot be written to {path}: {error}") from error
+            if drawn is self._result:
+                self._shown.change(saved=True)
         return path
 
     def place(self, newest: Snapshot) -> Hypothesis:
@@ -262,11 +267,15 @@ class MapDrawer:
         if self._required().sketch is None:
             raise NoMapError("nothing is drawn yet; drive on, with tape in sight")
 
+    @property
+    def _result(self) -> TapeMap | None:
+        return self.drawing.result if self.drawing is not None else None
+
     def _done(self) -> TapeMap:
-        drawing = self.drawing
-        if drawing is None or drawing.result is None:
+        result = self._result
+        if result is None:
             raise NoMapError("there is no finished map")
-        return drawing.result
+        return result
 
     def _so_far(self) -> TapeMap:
         """Return the map of the drive so far, while it is drawn."""

@@ -32,17 +32,23 @@ class Cameras:
 
     def __init__(self, server: viser.ViserServer, extent: Extent) -> None:
         self._server = server
-        xmin, ymin, xmax, ymax = extent
-        self._centre = np.array([(xmin + xmax) / 2, (ymin + ymax) / 2, 0.0])
-        self._size = max(xmax - xmin, ymax - ymin)
+        self._centre, self._size = _middle(extent)
+        self._home = home(extent)
         self._clients: dict[str, int] = {}
         self._followers: set[str] = set()
         server._websock_server.on_client_connect(self._note)
+        server._websock_server.on_client_disconnect(self._forget)
 
     async def _note(self, connection: viser.infra.WebsockClientConnection) -> None:
         """Note which page a viewer is in; viser calls this in the task that serves the viewer."""
         if page := PAGE.get():
             self._clients[page] = connection.client_id
+
+    async def _forget(self, connection: viser.infra.WebsockClientConnection) -> None:
+        """Forget a viewer that leaves, unless its page has another one by now."""
+        page = PAGE.get()
+        if self._clients.get(page) == connection.client_id:
+            del self._clients[page]
 
     def look(self, page: str, look: Look) -> bool:
         """Let a page's viewer look so; return whether there is such a viewer."""
@@ -53,7 +59,7 @@ class Cameras:
         if look == "follow":
             self._followers.add(page)
         elif look == "home":
-            self._move(client, self._centre + self._size * np.array(HOME), self._centre)
+            self._move(client, self._home, self._centre)
         elif look == "top":
             height = 0.5 * self._size / math.tan(FIELD_OF_VIEW / 2)
             # A little from the south: exactly above, up is nowhere.
@@ -78,6 +84,18 @@ class Cameras:
         with client.atomic():
             client.camera.position = tuple(eye)
             client.camera.look_at = tuple(target)
+
+
+def home(extent: Extent) -> Array:
+    """Return where a camera is at first (3,), in the map frame [m]."""
+    centre, size = _middle(extent)
+    return centre + size * np.array(HOME)
+
+
+def _middle(extent: Extent) -> tuple[Array, float]:
+    """Return the centre of a field (3,) and its longer side [m]."""
+    xmin, ymin, xmax, ymax = extent
+    return np.array([(xmin + xmax) / 2, (ymin + ymax) / 2, 0.0]), max(xmax - xmin, ymax - ymin)
 
 
 def _turned(offset: Array, theta: float) -> Array:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Generator
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
@@ -25,7 +26,7 @@ from app.recordings.replay.ticks import RecordedTick, RecordedTopics, joined, ti
 from robot.description.spec import RobotSpec
 from robot.driving.differential_drive import DifferentialDrive
 from robot.geometry import Array, Pose2
-from robot.interface import Frame, Reading, RobotError
+from robot.interface import Frame, Reading, Robot, RobotError
 
 
 class RecordedRobot:
@@ -207,3 +208,8 @@ class RecordedRobot:
         self._applied = measured if twist is None else self._drive.wheels(twist)
         for topic, cdr in messages.tick.commands:
             messages.read(commands_of if topic == self.topics.command else set_pose_of, cdr)
+
+
+def replayed(robot: Robot) -> Path | None:
+    """Return the file or folder that a robot replays; None if it is no recording."""
+    return robot.reader.path if isinstance(robot, RecordedRobot) else None
