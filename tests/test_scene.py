@@ -7,15 +7,8 @@ import pytest
 
 from app.engine.build import build_program
 from app.page.view.map_layer import MapLayer
-from app.page.view.scene import (
-    ESTIMATE,
-    FAR_AWAY,
-    HIT,
-    ODOMETRY,
-    RAY,
-    TRUTH,
-    hypothesis_mark,
-)
+from app.page.view.marks import ESTIMATE, hypothesis_mark
+from app.page.view.scene import FAR_AWAY, HIT, ODOMETRY, RAY, TRUTH
 from app.page.view.view import View
 from app.settings.config import FRONTEND, Config
 from robot.geometry import Pose2

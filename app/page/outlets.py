@@ -8,12 +8,10 @@ from types import MappingProxyType
 from typing import Any, Protocol
 
 from app.console import say
-from app.engine.build import build_program
 from app.engine.drive_calibrator import DriveCalibrator
 from app.engine.drivers import Driver, Drivers
 from app.engine.mapping.map_drawer import MapDrawer
 from app.engine.program import Program
-from app.languages.marking import phrase
 from app.messages.commands import (
     CloseRecordingCommand,
     Command,
@@ -40,19 +38,17 @@ from app.messages.map_commands import (
 from app.recordings.contents import contents_of
 from app.recordings.library import find
 from app.recordings.recorder import Recorder
-from app.recordings.replay.opening import ReplayProgram, replay_after
-from app.recordings.replay.recorded_robot import RecordedRobot
+from app.recordings.replay.opening import ReplayProgram, replay_after, robot_again
 from app.ros2.inbox import Inbox
 from app.ros2.publisher import TopicPublisher
 from app.ros2.source import TopicSource
 from app.ros2.websocket_routes import Foxglove, Rosbridge
-from app.settings.config import MAPS, Config
+from app.settings.config import MAPS
 from app.settings.field_names import field_named
-from robot.errors import BrickPoseError, CommandError
+from robot.errors import CommandError
 from robot.fields.field import FieldError
 from robot.fields.field_loading import load_field
 from robot.localization.estimate import Hypothesis
-from sim.real_time import RealTime
 
 ChangeMap = Callable[[str, Hypothesis | None], None]
 """Goes on in another map, by its name, and with where the robot is in it; None is on another field,
@@ -242,7 +238,7 @@ class Outlets:
         before = program.before if isinstance(program, ReplayProgram) else None
         if before is None or self._go_on is None:
             raise CommandError("there is no robot to go back to; brickpose run starts one")
-        self._go_on(lambda: _robot_again(program, before))
+        self._go_on(lambda: robot_again(program, before))
 
     @property
     def failures(self) -> list[str]:
@@ -258,17 +254,6 @@ class Outlets:
         for route in self._routes:
             route.close()
         self.publisher.close()
-
-
-def _robot_again(program: Program, before: Config) -> Program:
-    """Return a program with its robot, or the recording again, which says what the robot lacks."""
-    try:
-        return build_program(before, RealTime())
-    except (BrickPoseError, OSError) as error:
-        assert isinstance(program.robot, RecordedRobot)
-        replay = replay_after(program, program.robot.reader.path)
-        replay.engine.note(phrase(f"There is no way back to the robot yet: {error}"))
-        return replay
 
 
 ACTS: Mapping[type[Command], Callable[[Outlets, Driver, Any], None]] = MappingProxyType(

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import os
-import time
 from collections.abc import AsyncIterator, Sequence
 from contextlib import asynccontextmanager
 from pathlib import Path
 
 import anyio
-import cv2
 from fastapi import APIRouter, FastAPI, HTTPException, Request, Response, WebSocket
 from fastapi.responses import FileResponse, HTMLResponse
 from starlette.datastructures import Headers
@@ -17,38 +15,25 @@ from starlette.staticfiles import StaticFiles
 from starlette.types import Scope
 
 from app.engine.engine_thread import EngineThread
-from app.engine.own_models.error_messages import running
 from app.engine.program import Program
 from app.engine.start_pose.keeping import PoseKeeper
-from app.languages.marking import phrase
 from app.messages.answers import (
     AccessMessage,
-    FieldMessage,
-    FieldsMessage,
-    HealthMessage,
-    ParameterMessage,
-    ProblemMessage,
-    ProblemsMessage,
-    ProfileMessage,
     content,
     refusal,
 )
-from app.messages.telemetry import TelemetryMessage
 from app.page.access import SameOriginOnly, own_names
 from app.page.calibration import calibration_router
 from app.page.camera_stream import STREAM, CameraStream
 from app.page.docs_page import docs_page
 from app.page.faults import faults_router
+from app.page.field import NO_PICTURE, field_router
 from app.page.floor_grid import floor_grid_router
 from app.page.language import language_router, page
 from app.page.lens.routes import lens_router
-from app.page.live import Live
 from app.page.mapping import mapping_router, sketch_of
 from app.page.outlets import Outlets
-from app.page.parameters import parameter_messages
-from app.page.profile import RayError, profile
-from app.page.telemetry import field_message
-from app.page.thresholds import STALE_S
+from app.page.state import state_router
 from app.page.token_guard import TokenRequired, role_in
 from app.page.tokens import Role, Tokens
 from app.page.view.cameras import Look
@@ -58,10 +43,8 @@ from app.recordings.replay.recorded_robot import replayed
 from app.recordings.routes import contents_router, recordings_router
 from app.ros2.websocket_routes import Foxglove, Rosbridge
 from app.settings.config import FRONTEND
-from app.settings.field_names import loadable_fields
 
 FOXGLOVE = "/foxglove"
-NO_PICTURE = refusal(503, "before the camera's first picture")
 
 
 def create_app(
@@ -109,14 +92,14 @@ def create_app(
     names, origins = own_names(config.host), config.allowed_origins
     app.add_middleware(SameOriginOnly, names=names, origins=origins, inviting=inviting)
     _add_page(app)
-    _add_state(app, program, thread, (view, keeper), outlets)
-    _add_field(app, program)
     camera = CameraStream(program.engine.latest, thread.stopping)
     _add_streams(app, view, camera)
     _add_rosbridge(app, outlets.rosbridge)
     if config.ros2.foxglove:
         _add_foxglove(app, outlets.foxglove)
     app.include_router(language_router())
+    app.include_router(state_router(program, thread, (view, keeper), outlets))
+    app.include_router(field_router(program))
     app.include_router(floor_grid_router(program))
     app.include_router(lens_router(program))
     app.include_router(calibration_router(program, outlets.calibrator))
@@ -170,121 +153,6 @@ class _Revalidated(StaticFiles):
         # Our files are small: reading one in another thread takes longer than reading it here.
         del response.headers["content-length"]
         return Response(Path(full_path).read_bytes(), status_code, response.headers)
-
-
-def _add_state(
-    app: FastAPI,
-    program: Program,
-    thread: EngineThread,
-    followers: tuple[View, PoseKeeper],
-    outlets: Outlets,
-) -> None:
-    engine = program.engine
-    live = Live(program, outlets)
-    started = time.monotonic()
-
-    @app.get("/api/health", responses={503: {"model": HealthMessage}})
-    def health(response: Response) -> HealthMessage:
-        """Whether the program works; 503 when it has failed."""
-        status, detail = _health(program, thread, followers, outlets)
-        if status == "failed":
-            response.status_code = 503
-        latest = engine.latest.get()
-        return HealthMessage.model_validate(
-            {
-                "status": status,
-                "detail": detail,
-                "robot": program.robot.name,
-                "uptime_s": time.monotonic() - started,
-                "step_hz": latest.loop.step_hz if latest else 0.0,
-            }
-        )
-
-    @app.get("/api/state", responses=refusal(503, "before the first tick"))
-    def state() -> TelemetryMessage:
-        """The newest telemetry."""
-        latest = engine.latest.get()
-        if latest is None:
-            raise HTTPException(503, engine.failure or "The robot has not answered yet.")
-        return TelemetryMessage.model_validate_json(live.text(latest))
-
-    @app.get("/api/problems")
-    def problems() -> ProblemsMessage:
-        """What went wrong since the start."""
-        latest = engine.latest.get()
-        record = latest.record if latest else ()
-        return ProblemsMessage(
-            problems=[ProblemMessage(stamp=p.stamp, message=p.message) for p in record]
-        )
-
-    @app.websocket("/api/live")
-    async def follow(socket: WebSocket) -> None:
-        await live.serve(socket)
-
-
-def _health(
-    program: Program,
-    thread: EngineThread,
-    followers: tuple[View, PoseKeeper],
-    outlets: Outlets,
-) -> tuple[str, str]:
-    latest = program.engine.latest.get()
-    if program.engine.failure is not None:
-        return "failed", program.engine.failure
-    if not thread.alive:
-        return "failed", phrase("The engine does not run.")
-    if latest is None:
-        return "degraded", "The robot has not answered yet."
-    silent = time.monotonic() - latest.published
-    if silent > STALE_S:
-        where = running(thread.ident)
-        return "degraded", phrase(f"No tick for {silent:.1f} s.") + (f" {where}" if where else "")
-    failures = [follower.failure for follower in followers if follower.failure]
-    problems = [*latest.problems, *failures, *outlets.failures]
-    if problems:
-        return "degraded", " ".join(problems)
-    return "ok", "All is well."
-
-
-def _add_field(app: FastAPI, program: Program) -> None:
-    _, picture = cv2.imencode(".png", program.field.floor.image)
-    png = picture.tobytes()
-
-    @app.get("/api/field")
-    def get_field() -> FieldMessage:
-        """The field and the robot on it, as it is known now."""
-        return field_message(program)
-
-    @app.get("/api/field.png", response_class=Response, responses=content("image/png"))
-    def field_picture() -> Response:
-        """The floor from above."""
-        return Response(png, media_type="image/png", headers={"Cache-Control": "no-cache"})
-
-    @app.get("/api/fields")
-    def fields() -> FieldsMessage:
-        """The fields that can be loaded: those at hand, and maps that were saved."""
-        return FieldsMessage(names=list(loadable_fields(program.config.mapping.path())))
-
-    @app.get("/api/parameters")
-    def parameters() -> list[ParameterMessage]:
-        """The filter's parameters, with their meanings."""
-        latest = program.engine.latest.get()
-        configured = program.config.localization
-        given = program.given
-        if latest is None:
-            return parameter_messages(configured, configured, given, given)
-        return parameter_messages(latest.parameters, configured, latest.own, given)
-
-    @app.get("/api/ray/{ray}", responses=NO_PICTURE | refusal(404, "no such ray"))
-    def ray_profile(ray: int) -> ProfileMessage:
-        """What the scanner saw along one ray of the newest picture, and why it counted or not."""
-        latest = program.engine.latest.get()
-        if latest is None or latest.line_scan is None or latest.scanner is None:
-            raise HTTPException(503, "The camera has sent no picture yet.")
-        try:
-            return profile(latest.scanner, latest.line_scan, ray)
-        except RayError as error:
-            raise HTTPException(404, str(error)) from error
 
 
 def _add_streams(app: FastAPI, view: View, camera: CameraStream) -> None:

@@ -13,22 +13,21 @@ from typing import Any
 import cv2
 import numpy as np
 import viser
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from app.engine.snapshot import Snapshot
 from app.page.thresholds import LIKELY
 from app.page.view.map_layer import MapLayer, lifted
+from app.page.view.marks import ESTIMATE, arrow, by_weight, hypothesis_mark, quaternions
 from app.page.view.paths import Path
 from app.page.view.robot_mesh import robot_meshes
 from robot.description.spec import RobotSpec
 from robot.fields.field import Field
-from robot.geometry import Array, Pose2, heading_vectors
 from robot.interface import Frame
 from robot.mapping.sketch import Sketch
 from robot.scanning.line_scanner import LineScan
 
-TRUTH, ODOMETRY, ESTIMATE = (0, 105, 79), (168, 50, 4), (10, 72, 168)
+TRUTH, ODOMETRY = (0, 105, 79), (168, 50, 4)
 RAY, HIT = (168, 98, 0), (176, 16, 107)
 """As the page's map has them: --floor-truth and its neighbours in style/tokens.css."""
 CAMERA = (60, 70, 80)
@@ -150,7 +149,7 @@ class Scene:
                 point_shading="flat",
             ),
             "headings": scene.add_batched_meshes_simple(
-                "/headings", *_arrow(), np.array([[1.0, 0, 0, 0]]), point,
+                "/headings", *arrow(), np.array([[1.0, 0, 0, 0]]), point,
                 batched_colors=ESTIMATE, lod="off", side="double", cast_shadow=False,
                 receive_shadow=False,
             ),
@@ -198,10 +197,10 @@ class Scene:
         show_truth = snapshot.truth is not None and "truth" in snapshot.layers
         where = snapshot.truth if show_truth and snapshot.truth else believed
         self._robot.position = (where.x, where.y, 0.0)
-        self._robot.wxyz = tuple(_quaternions(np.array([where.theta]))[0])
+        self._robot.wxyz = tuple(quaternions(np.array([where.theta]))[0])
         if snapshot.pose is not None:
             self._believed.position = (snapshot.pose.x, snapshot.pose.y, 0.0)
-            self._believed.wxyz = tuple(_quaternions(np.array([snapshot.pose.theta]))[0])
+            self._believed.wxyz = tuple(quaternions(np.array([snapshot.pose.theta]))[0])
         else:
             self._believed.position = (0.0, 0.0, FAR_AWAY)
             self._nodes["label_estimate"].position = (0.0, 0.0, FAR_AWAY)
@@ -221,11 +220,11 @@ class Scene:
             poses, weights = np.full((1, 3), FAR_AWAY), np.ones(1)
         particles = self._nodes["particles"]
         particles.points = lifted(poses[:, :2], LIFT["particles"]).astype(np.float32)
-        particles.colors = _by_weight(weights)
+        particles.colors = by_weight(weights)
         few = poses[:: max(1, len(poses) // HEADINGS)]
         headings = self._nodes["headings"]
         headings.batched_positions = lifted(few[:, :2], LIFT["headings"])
-        headings.batched_wxyzs = _quaternions(few[:, 2])
+        headings.batched_wxyzs = quaternions(few[:, 2])
         self._show_hypotheses(snapshot)
 
     def _show_hypotheses(self, snapshot: Snapshot) -> None:
@@ -240,7 +239,7 @@ class Scene:
         marks = [hypothesis_mark(each.pose, each.covariance) for each in shown]
         node.points = lifted(np.concatenate(marks), LIFT["estimate"])
         parts = np.repeat([item.weight for item in shown], [len(mark) for mark in marks])
-        node.colors = np.repeat(_by_weight(parts)[:, None, :], 2, axis=1)
+        node.colors = np.repeat(by_weight(parts)[:, None, :], 2, axis=1)
 
     def _show_scan(self, snapshot: Snapshot) -> None:
         if snapshot.line_scan is None or snapshot.scan_pose is None or snapshot.pose is None:
@@ -285,28 +284,6 @@ class Scene:
 _LABEL_HEIGHT = {"truth": 0.24, "odometry": 0.06, "estimate": 0.15}
 
 
-def covariance_ellipse(pose: Pose2, covariance: Array, points: int = 40) -> Array:
-    """The ellipse (points, 2, 2) [m] that holds 95 % of a normal distribution in x and y."""
-    values, axes = np.linalg.eigh(covariance[:2, :2])
-    circle = heading_vectors(np.linspace(0, 2 * math.pi, points + 1))
-    # 5.991 is the 95 % quantile of chi-square with two degrees of freedom.
-    ring = circle * np.sqrt(5.991 * np.maximum(values, 0)) @ axes.T + (pose.x, pose.y)
-    return np.stack([ring[:-1], ring[1:]], axis=1)
-
-
-def hypothesis_mark(pose: Pose2, covariance: Array) -> Array:
-    """Lines (n, 2, 2) [m]: the ellipse, and a line from its centre along the heading."""
-    ahead = pose.apply(np.array([[0.0, 0.0], [0.08, 0.0]]))
-    return np.concatenate([covariance_ellipse(pose, covariance), ahead[None]])
-
-
-def _quaternions(headings: Array) -> Array:
-    """Quaternions (n, 4) of turns about z, in the order w, x, y, z."""
-    half = heading_vectors(headings / 2)
-    nothing = np.zeros(len(headings))
-    return np.column_stack([half[:, 0], nothing, nothing, half[:, 1]])
-
-
 def _view_of(spec: RobotSpec) -> tuple[float, float]:
     """Return the angle from the picture's top to its bottom [rad], and width by height."""
     lens = spec.lens
@@ -317,17 +294,3 @@ def _turn(spec: RobotSpec) -> tuple[float, float, float, float]:
     """Return the quaternion of the camera in the robot frame, as w, x, y, z."""
     x, y, z, w = Rotation.from_matrix(spec.robot_from_camera[:3, :3]).as_quat().tolist()
     return w, x, y, z
-
-
-def _by_weight(weights: Array) -> NDArray[np.uint8]:
-    """Colours (n, 3): from pale for small weights to the estimate's blue."""
-    part = (weights / weights.max())[:, None]
-    pale = np.array([190, 205, 220])
-    colours: NDArray[np.uint8] = (pale + part * (np.array(ESTIMATE) - pale)).astype(np.uint8)
-    return colours
-
-
-def _arrow() -> tuple[Array, NDArray[np.uint32]]:
-    """A thin triangle along +x, 15 mm long."""
-    vertices = np.array([[0.015, 0.0, 0.0], [0.0, 0.0025, 0.0], [0.0, -0.0025, 0.0]])
-    return vertices, np.array([[0, 1, 2]], dtype=np.uint32)

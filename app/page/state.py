@@ -1,0 +1,103 @@
+"""How the program is: telemetry, problems, and whether it works."""
+
+from __future__ import annotations
+
+import time
+
+from fastapi import APIRouter, HTTPException, Response, WebSocket
+
+from app.engine.engine_thread import EngineThread
+from app.engine.own_models.error_messages import running
+from app.engine.program import Program
+from app.engine.start_pose.keeping import PoseKeeper
+from app.languages.marking import phrase
+from app.messages.answers import HealthMessage, ProblemMessage, ProblemsMessage, refusal
+from app.messages.telemetry import TelemetryMessage
+from app.page.live import Live
+from app.page.outlets import Outlets
+from app.page.thresholds import STALE_S
+from app.page.view.view import View
+
+
+def state_router(
+    program: Program,
+    thread: EngineThread,
+    followers: tuple[View, PoseKeeper],
+    outlets: Outlets,
+) -> APIRouter:
+    """Serve telemetry, what went wrong, and whether the program works.
+
+    Args:
+        program: the program.
+        thread: its engine's thread.
+        followers: the 3D view, and what keeps the pose.
+        outlets: what carries out commands.
+    """
+    router = APIRouter()
+    engine = program.engine
+    live = Live(program, outlets)
+    started = time.monotonic()
+
+    @router.get("/api/health", responses={503: {"model": HealthMessage}})
+    def health(response: Response) -> HealthMessage:
+        """Whether the program works; 503 when it has failed."""
+        status, detail = _health(program, thread, followers, outlets)
+        if status == "failed":
+            response.status_code = 503
+        latest = engine.latest.get()
+        return HealthMessage.model_validate(
+            {
+                "status": status,
+                "detail": detail,
+                "robot": program.robot.name,
+                "uptime_s": time.monotonic() - started,
+                "step_hz": latest.loop.step_hz if latest else 0.0,
+            }
+        )
+
+    @router.get("/api/state", responses=refusal(503, "before the first tick"))
+    def state() -> TelemetryMessage:
+        """The newest telemetry."""
+        latest = engine.latest.get()
+        if latest is None:
+            raise HTTPException(503, engine.failure or "The robot has not answered yet.")
+        return TelemetryMessage.model_validate_json(live.text(latest))
+
+    @router.get("/api/problems")
+    def problems() -> ProblemsMessage:
+        """What went wrong since the start."""
+        latest = engine.latest.get()
+        record = latest.record if latest else ()
+        return ProblemsMessage(
+            problems=[ProblemMessage(stamp=p.stamp, message=p.message) for p in record]
+        )
+
+    @router.websocket("/api/live")
+    async def follow(socket: WebSocket) -> None:
+        await live.serve(socket)
+
+    return router
+
+
+def _health(
+    program: Program,
+    thread: EngineThread,
+    followers: tuple[View, PoseKeeper],
+    outlets: Outlets,
+) -> tuple[str, str]:
+    latest = program.engine.latest.get()
+    if program.engine.failure is not None:
+        return "failed", program.engine.failure
+    if not thread.alive:
+        return "failed", phrase("The engine does not run.")
+    if latest is None:
+        return "degraded", "The robot has not answered yet."
+    silent = time.monotonic() - latest.published
+    if silent > STALE_S:
+        where = running(thread.ident)
+        return "degraded", phrase(f"No tick for {silent:.1f} s.") + (f" {where}" if where else "")
+    failures = [follower.failure for follower in followers if follower.failure]
+    problems = [*latest.problems, *failures, *outlets.failures]
+    if problems:
+        return "degraded", " ".join(problems)
+    return "ok", "All is well."
