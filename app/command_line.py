@@ -198,7 +198,8 @@ def _serve(
     parsed: argparse.Namespace, wanted: Config, routers: Sequence[APIRouter] = (), path: str = "/"
 ) -> int:
     # Imported here, so that a wrong argument is refused at once.
-    from app.engine.build import build_program, resolve_robot  # noqa: PLC0415
+    from app.engine.build import build_program  # noqa: PLC0415
+    from app.engine.robots import resolve_robot  # noqa: PLC0415
     from app.page.access_options import announce, certificate_of, tokens_of  # noqa: PLC0415
     from app.page.listening import listen  # noqa: PLC0415
     from app.page.serving import serve, serve_on  # noqa: PLC0415

@@ -6,7 +6,8 @@ from functools import cache
 
 import numpy as np
 
-from app.engine.build import Streams, build_simulated, load_field
+from app.engine.build import Streams, load_field
+from app.engine.robots import build_simulated
 from app.settings.conditions import apply_condition
 from app.settings.config import MAPS, Config
 from robot.calibration.drive_log import DriveLog, DriveRecorder

@@ -17,7 +17,8 @@ from mappings import Loop, Tour, errors_of, field_of, held, laid_on, mapped, squ
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
-from app.engine.build import Streams, build_program, build_simulated
+from app.engine.build import Streams, build_program
+from app.engine.robots import build_simulated
 from app.settings.conditions import apply_condition
 from app.settings.config import MAPS, Config
 from robot.calibration.adjustment import CalibrationError

@@ -15,8 +15,9 @@ from robot.calibration.calibrate import Calibration, calibrate
 from robot.calibration.camera_from_tape import TOLD
 from robot.calibration.drive_log import DriveLog
 from robot.calibration.drive_path import Drive
+from robot.calibration.misses import Misses, misses
 from robot.calibration.position_error import position_sd
-from robot.calibration.sightings import Misses, Sightings, misses
+from robot.calibration.sightings import Sightings
 from robot.calibration.start_poses import alike
 from robot.calibration.unknowns import COUNT, NAMES, PRIORS, ROBOT, UNKNOWNS, Differences
 from robot.calibration.wheel_motion import WheelMotion

@@ -73,7 +73,7 @@ def refuse(error):
 HELP = ("run", "--help")
 WITHOUT_PYBULLET = """
 import sys; sys.modules['pybullet'] = None
-from app.engine.build import resolve_robot; from app.settings.config import Config
+from app.engine.robots import resolve_robot; from app.settings.config import Config
 config, why = resolve_robot(Config()); print(config.robot, why)
 """
 PHYSICS_WITHOUT_PYBULLET = """

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from app.command_line import main
-from app.engine.build import build_program, robot_spec
+from app.engine.build import build_program
+from app.engine.robots import robot_spec
 from app.settings.config import Config
 from robot.calibration.lens.lens_table import MeasuredLens
 from robot.calibration.profile import Profile, load_profile

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from app.engine.build import robot_spec
+from app.engine.robots import robot_spec
 from app.settings.config import Config
 from robot.calibration.profile import Profile, load_profile, profile_of
 from robot.calibration.unknowns import NAMES, PRIORS, ROBOT

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from app.command_line import main
-from app.engine.build import robot_spec
+from app.engine.robots import robot_spec
 from app.settings.config import Config
 from app.settings.profiles import (
     before,

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 
@@ -20,34 +18,26 @@ from app.engine.localization import Localization
 from app.engine.own_models.own_models import OwnModels
 from app.engine.parameter_changes import changed_values
 from app.engine.program import Program
+from app.engine.robots import build_robot, resolve_robot, robot_spec
 from app.engine.start_pose.pose_file import pose_path
 from app.engine.start_pose.start import Start, start
-from app.languages.marking import phrase
 from app.messages.commands import SetParametersCommand
 from app.settings.config import MAPS, Config
 from app.settings.groups import InitialPose
-from app.settings.profiles import profile_file
-from robot.calibration.profile import Profile, load_profile
+from robot.calibration.profile import Profile
 from robot.calibration.tracker import CalibrationTracker
-from robot.description.spec import RobotSpec
 from robot.driving.differential_drive import DifferentialDrive
 from robot.driving.drive_controller import DriveController
 from robot.driving.odometry import Odometry
-from robot.errors import PackageError
 from robot.fields.field import Field
 from robot.fields.field_loading import load_field
 from robot.geometry import Pose2
-from robot.hat.build_hat import BuildHat
 from robot.interface import RepositionableRobot, Robot
 from robot.localization.estimate import Hypothesis
 from robot.localization.models.entry_field import EntryField
 from robot.localization.parameters import LocalizationParameters
 from robot.scanning.line_scanner import LineScanner
-from sim.bullet import BulletWorld, load_pybullet
-from sim.encoders import Encoders
-from sim.imperfections import Imperfections, bumped, draw
-from sim.simulated import Making, SimulatedRobot, no_wait
-from sim.world import KinematicWorld
+from sim.simulated import SimulatedRobot, no_wait
 
 
 @dataclass(frozen=True, slots=True)
@@ -167,16 +157,6 @@ def build_on_field(program: Program, name: str, wait: Callable[[float], None] = 
     return following
 
 
-def robot_spec(config: Config) -> RobotSpec:
-    """Return the robot's description, as its profile corrects it if it has one.
-
-    Raises:
-        SpecError: the profile cannot be read, or is of another robot.
-    """
-    spec, path = RobotSpec.load(), profile_file(config)
-    return spec if path is None else load_profile(path).applied_to(spec)
-
-
 def build_engine(
     config: Config,
     robot: Robot,
@@ -259,72 +239,3 @@ def own_models(config: Config, field: Field) -> OwnModels:
     return OwnModels(
         field, sensor=config.sensor_model, motion=config.motion_model, folder=config.models
     )
-
-
-def build_robot(
-    config: Config,
-    spec: RobotSpec,
-    field: Field,
-    rng: np.random.Generator,
-    wait: Callable[[float], None],
-) -> Robot:
-    """Build the robot that the configuration names."""
-    if config.robot == "buildhat":
-        return BuildHat.open(spec, config.build_hat, config.camera)
-    return build_simulated(config, spec, field, rng, wait)
-
-
-def build_simulated(
-    config: Config,
-    spec: RobotSpec,
-    field: Field,
-    rng: np.random.Generator,
-    wait: Callable[[float], None],
-) -> SimulatedRobot:
-    """Build the simulated robot that the configuration names."""
-    if config.robot == "sim":
-        drawing = copy.deepcopy(rng)
-        true = draw(spec.as_drawn, config.sim.imperfections, rng)
-        world = BulletWorld(true, field.start, settings=config.sim.physics)
-        encoders = Encoders(spec, config.sim.imperfections, rng)
-        seen, imperfections = true.floor_view, config.sim.imperfections
-        bump = imperfections.bump_time, bumped(true, imperfections).floor_view
-        return SimulatedRobot(
-            phrase("Simulated robot"),
-            spec,
-            field,
-            world,
-            encoders,
-            config.sim.camera,
-            rng,
-            wait,
-            seen,
-            None if imperfections.bump == "none" else bump,
-            Making(imperfections, drawing, partial(BulletWorld, settings=config.sim.physics)),
-        )
-    perfect = Encoders(spec, Imperfections.none(), rng)
-    return SimulatedRobot(
-        phrase("Kinematic robot"),
-        spec,
-        field,
-        KinematicWorld(spec, field.start),
-        perfect,
-        config.sim.camera,
-        rng,
-        wait,
-    )
-
-
-def resolve_robot(config: Config) -> tuple[Config, str | None]:
-    """Replace the robot ``auto`` by an available one.
-
-    Returns the configuration with that robot; and why the simulator with physics is not available,
-    or None.
-    """
-    if config.robot != "auto":
-        return config, None
-    try:
-        load_pybullet()
-    except PackageError as error:
-        return replace(config, robot="kinematic"), str(error)
-    return replace(config, robot="sim"), None

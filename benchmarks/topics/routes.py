@@ -16,8 +16,9 @@ from pathlib import Path
 
 import numpy as np
 
-from app.engine.build import build_program, build_simulated
+from app.engine.build import build_program
 from app.engine.program import Program
+from app.engine.robots import build_simulated
 from app.messages.driving_commands import FigureEightCommand
 from app.page.listening import listen
 from app.page.serving import Server

@@ -13,8 +13,9 @@ from functools import cached_property
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from robot.calibration.misses import Misses, misses
 from robot.calibration.normal_equations import CAUCHY, STATE, Equations
-from robot.calibration.sightings import Misses, Sightings, misses
+from robot.calibration.sightings import Sightings
 from robot.calibration.unknowns import (
     COUNT,
     DELAY,

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robot.calibration.adjustment import Adjustment, Solution, Weights, residual_sd
-from robot.calibration.sightings import Misses
+from robot.calibration.misses import Misses
 from robot.calibration.unknowns import TAPE
 from robot.camera import Lens
 from robot.fields.edges import lengths

@@ -13,7 +13,7 @@ from numba import njit
 from numpy.typing import NDArray
 from scipy.linalg import cho_solve_banded, cholesky_banded
 
-from robot.calibration.sightings import Misses
+from robot.calibration.misses import Misses
 from robot.calibration.unknowns import COUNT
 from robot.geometry import Array, wrap_angle
 

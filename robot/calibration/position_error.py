@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from robot.calibration.sightings import Misses
+from robot.calibration.misses import Misses
 from robot.geometry import Array
 
 FEWEST_EDGES = 20

@@ -11,7 +11,8 @@ from dataclasses import replace
 import numpy as np
 
 from robot.calibration.adjustment import STEP_SD, State
-from robot.calibration.sightings import FloorPoints, Sightings, misses
+from robot.calibration.misses import misses
+from robot.calibration.sightings import FloorPoints, Sightings
 from robot.calibration.start_poses import edge_ends, pose_near
 from robot.calibration.wheel_motion import WheelMotion
 from robot.geometry import Array

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from robot.calibration.sightings import Misses
+from robot.calibration.misses import Misses
 from robot.fields.drawing.curves import distances
 from robot.geometry import Array
 from robot.mapping.strokes import Stroke, Strokes

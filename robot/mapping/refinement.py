@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from robot.calibration.sightings import Misses
+from robot.calibration.misses import Misses
 from robot.geometry import Array
 from robot.mapping.stroke_fitting import DENSEST
 from robot.mapping.strokes import Stroke, Strokes

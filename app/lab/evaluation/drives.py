@@ -10,10 +10,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from app.engine.build import build_program, robot_spec
+from app.engine.build import build_program
 from app.engine.engine import Engine
 from app.engine.localization import Localization
 from app.engine.problems import Problems
+from app.engine.robots import robot_spec
 from app.engine.snapshot import Snapshot
 from app.lab.replay_robot import ReplayRobot
 from app.messages.commands import PauseCommand

@@ -10,7 +10,7 @@ from typing import Any
 import yaml
 
 from app.console import say
-from app.engine.build import robot_spec
+from app.engine.robots import robot_spec
 from app.files import make_folder
 from app.options import config_of
 from app.ros2.encoding.motion import POSE_VARIANCE, TWIST_VARIANCE

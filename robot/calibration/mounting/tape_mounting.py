@@ -15,8 +15,8 @@ from scipy.optimize import least_squares
 
 from robot.calibration.drive_log import LOOSE
 from robot.calibration.lens.sighting import Grey
+from robot.calibration.misses import nearest_edges
 from robot.calibration.mounting.mounting import Mounting, MountingError, derivatives, moved
-from robot.calibration.sightings import nearest_edges
 from robot.calibration.tape_edges import TapeEdges
 from robot.calibration.unknowns import PRIORS, ROTATION, SHIFT
 from robot.camera import FloorView, Lens

@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 
 from app.console import say
-from app.engine.build import robot_spec
+from app.engine.robots import robot_spec
 from app.lab.localize.localize import Start
 from app.lab.localize.pictures.follow import LocatedPicture, LocatedPictures, PictureRun
 from app.lab.localize.pictures.motion import RecordedOdometry
