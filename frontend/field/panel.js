@@ -40,12 +40,20 @@ export class FieldPanel {
   /** @param {string} map */
   #changed(map) {
     this.#map = map;
-    this.faults.read();
+    this.#readFaults();
     if (document.activeElement !== this.#name) this.#name.value = map;
   }
 
+  async #readFaults() {
+    try {
+      await this.faults.read();
+    } catch (error) {
+      this.toasts.fail(error);
+    }
+  }
+
   async #read() {
-    this.faults.read();
+    this.#readFaults();
     try {
       /** @type {FieldsMessage} */
       const { names } = await getJson("/api/fields");
