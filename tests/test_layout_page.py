@@ -73,11 +73,23 @@ def test_the_field_is_large_on_a_laptop_and_nothing_lies_on_it(page, name, least
 
 
 def test_the_header_is_one_row_and_the_page_does_not_scroll(page):
+    expect(page.locator("#stat-delay")).to_contain_text("ms")
     assert box(page, "header.bar")["height"] < 50
     tall, wide = page.evaluate(
         "[document.documentElement.scrollHeight, document.documentElement.scrollWidth]"
     )
     assert (tall, wide) == (720, 1280)
+
+
+def test_longer_words_leave_the_header_one_row_and_every_tool_in_reach(browser, server):
+    for page in opened(browser, server, width=1280, height=720, view=False, locale="de-DE"):
+        expect(page.locator("#stat-delay")).to_contain_text("ms")
+        assert box(page, "header.bar")["height"] < 50
+        handles = box(page, "#plots .handles")
+        for tool in ("#plots-span", "#plots-values", "#plots-log", "#plots-save"):
+            place = box(page, tool)
+            beside = place["x"] + place["width"] <= handles["x"]
+            assert beside or place["y"] >= handles["y"] + handles["height"]
 
 
 def test_a_panel_is_enlarged_by_a_click_and_escape_goes_back(page):
@@ -243,14 +255,14 @@ class TestNeverStuck:
 
 def test_only_parameters_that_are_used_can_be_changed(page, server):
     def usable(name: str):
-        return expect(page.locator(f"[aria-labelledby=name-{name}]").first)
+        return expect(page.locator(f"[name={name}]").first)
 
     usable("velocity_alpha1").to_be_disabled()
     usable("alpha1").to_be_enabled()
-    page.locator("[aria-labelledby=name-robot_model_type]").select_option("velocity")
+    page.locator("select[name=robot_model_type]").select_option("velocity")
     usable("velocity_alpha1").to_be_enabled()
     usable("alpha1").to_be_disabled()
-    page.locator("[aria-labelledby=name-filter]").select_option("kalman")
+    page.locator("select[name=filter]").select_option("kalman")
     usable("max_particles").to_be_disabled()
     expect(page.locator("#filter-hint")).to_contain_text("no particles")
     page.locator("#reset").click()

@@ -178,7 +178,7 @@ def test_what_is_claimed_is_drawn_where_it_is_large_enough_to_see(page):
 @pytest.mark.parametrize("kind", ["particles", "kalman", "grid", "hypotheses"])
 def test_the_filter_is_changed_while_it_runs(page, live, kind):
     page.get_by_role("button", name="Figure-eight").click()
-    filters = page.locator("select[aria-labelledby=name-filter]")
+    filters = page.locator("select[name=filter]")
     filters.select_option("kalman" if kind == "particles" else "particles")
     filters.select_option(kind)
     before = until(live, lambda now: now["twist"]["v"] > 0.1)

@@ -24,6 +24,8 @@ export class ParameterRow {
   constructor(parameter, words, changed) {
     this.parameter = parameter;
     this.changed = changed;
+    /** What is read out; a reference to the title would be empty while that is scrolled out. */
+    this.words = `${words} ${parameter.name}`.trim();
     const { name } = parameter;
     const meaning = translated(parameter.meaning);
     const code = make("span", { class: words && "quiet" }, name);
@@ -94,7 +96,7 @@ export class ParameterRow {
   /** @returns {Record<string, string>} names and descriptions for screen readers */
   get #labels() {
     const { name } = this.parameter;
-    return { "aria-labelledby": `name-${name}`, "aria-describedby": `meaning-${name}` };
+    return { name, "aria-label": this.words, "aria-describedby": `meaning-${name}` };
   }
 
   #choice() {

@@ -58,7 +58,7 @@ export class Problems {
     if (telemetry.error_count === this.#known) return;
     this.#known = telemetry.error_count;
     setText(this.#count, String(this.#known));
-    this.#button.setAttribute("aria-label", t("Problem log: {count}", { count: this.#known }));
+    this.#button.setAttribute("aria-label", t("Problems: {count}", { count: this.#known }));
     this.#button.dataset.some = String(this.#known > 0);
     if (!this.#record.hidden) this.#load();
   }

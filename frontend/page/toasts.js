@@ -17,7 +17,7 @@ export class Toasts {
     for (const old of [...this.list.children])
       if (old.firstChild?.textContent === text) old.remove();
     const close = make("button", { type: "button", "aria-label": t("Close this message") }, "×");
-    const toast = make("li", { class: `toast ${kind}` }, make("span", {}, text), close);
+    const toast = make("div", { class: `toast ${kind}` }, make("span", {}, text), close);
     close.onclick = () => toast.remove();
     setTimeout(() => toast.remove(), SHOWN_MS);
     this.list.append(toast);
