@@ -104,6 +104,40 @@ def test_lesson_3_from_the_prediction_to_the_pass(page, file):
     expect(page.locator(".beside")).to_have_text(words["predicted"])
 
 
+def test_the_file_is_written_in_the_page(page, file):
+    german = page.evaluate("navigator.language") == "de-DE"
+    before = file.read_text()
+    file.write_text("def log_weight(predicted, measured, sigma):\n    return 0\n")
+    page.locator("#choices input").first.check()
+    page.locator("#prediction button").click()
+    page.get_by_text("Hier schreiben" if german else "Write it here").click()
+    code = page.get_by_label("Deine Datei" if german else "Your file")
+    words = page.locator("#editor-words")
+    expect(code).to_have_value(re.compile("return 0"))
+    expect(page.locator("#gutter")).to_contain_text("1\n2\n3")
+    code.press("Control+End")
+    # A new line has the indentation of the one before; four more after a colon.
+    for line in ("", "def more(a):", "if a:", "return 1"):
+        code.press("Enter")
+        page.keyboard.type(line)
+    expect(words).to_have_text("Noch nicht gespeichert." if german else "Not saved yet.")
+    code.press("Control+s")
+    expect(words).to_have_text("Gespeichert." if german else "Saved.")
+    assert file.read_text().endswith("return 0\n\n\ndef more(a):\n    if a:\n        return 1")
+    file.write_text(before)
+    code.press("Enter")
+    for _ in range(2):
+        code.press("Backspace")
+    page.keyboard.type("more()")
+    assert code.input_value().endswith("return 1\nmore()")
+    page.locator("#editor-save").click()
+    told = "Die Datei wurde inzwischen geändert" if german else "The file was changed meanwhile"
+    expect(words).to_contain_text(told)
+    assert file.read_text() == before
+    page.locator("#editor-load").click()
+    expect(code).to_have_value(before)
+
+
 def test_at_twice_the_size_nothing_is_cut_off(page):
     page.set_viewport_size({"width": 640, "height": 500})
     expect(page.locator("#title")).to_be_visible()

@@ -11,6 +11,7 @@ from fastapi.responses import HTMLResponse
 from app.course.desk import CheckDesk
 from app.course.lesson import Lesson, lesson_of, lessons
 from app.course.lesson_text import parsed
+from app.course.student_file import student_file_router
 from app.messages.answers import content, refusal
 from app.page.language import language_of, page
 from app.page.token_guard import role_in
@@ -29,6 +30,8 @@ def course_router(file: Path, folder: Path | None = None) -> APIRouter:
         folder: a teacher's own lessons.
     """
     router, desk = APIRouter(), CheckDesk(file, folder)
+
+    router.include_router(student_file_router(file))
 
     @router.get("/learn", include_in_schema=False)
     @router.get("/learn/{number}", include_in_schema=False)

@@ -15,7 +15,7 @@ export class Checks {
   #backoff = new Backoff();
   #started = false;
 
-  /** @param {number} number of the lesson @param {(passed: boolean) => void} told */
+  /** @param {number} number of the lesson @param {(passed: boolean, lines: (number | null)[]) => void} told */
   constructor(number, told) {
     this.told = told;
     this.state = find("state", HTMLElement);
@@ -45,7 +45,7 @@ export class Checks {
     this.list.replaceChildren(...news.findings.map(entry));
     setText(this.state, words(news.passed, news.begun));
     this.state.dataset.passed = news.begun ? String(news.passed) : "";
-    this.told(news.passed);
+    this.told(news.passed, news.findings.map(({ line }) => line));
   }
 }
 

@@ -6,6 +6,7 @@ import { sentence } from "../page/toasts.js";
 import { Connection } from "../wire/connection.js";
 import { getJson } from "../wire/http.js";
 import { Checks } from "./checks.js";
+import { Editor } from "./editor.js";
 import { LessonList } from "./list.js";
 import { Prediction } from "./prediction.js";
 import { Sections } from "./sections.js";
@@ -23,7 +24,11 @@ new Appearance(findButton("theme"), findButton("large-text"));
 offerLanguages(find("language", HTMLSelectElement));
 const connection = new Connection("/api/live");
 const list = new LessonList(number);
-const checks = new Checks(number, (passed) => passed && list.note(number));
+const editor = new Editor();
+const checks = new Checks(number, (passed, lines) => {
+  if (passed) list.note(number);
+  editor.mark(lines);
+});
 const sections = new Sections(order);
 
 findButton("stop").onclick = () => order({ type: "stop" });
@@ -54,6 +59,7 @@ function show(lesson) {
   const [question, ...later] = lesson.sections;
   setText(find("file", HTMLElement), lesson.file);
   setText(find("stub", HTMLElement), lesson.stub);
+  editor.follow(lesson.stub);
   new Prediction(lesson.number, question, (prediction) => {
     find("later", HTMLElement).hidden = false;
     sections.show(later, prediction);

@@ -25,6 +25,19 @@ export async function send(address, method, body) {
   if (!answer.ok) throw new HttpError(await reason(answer));
 }
 
+/**
+ * Ask for a change that has an answer.
+ * @template T
+ * @param {string} address @param {string} method @param {object} content
+ * @returns {Promise<T>}
+ */
+export async function sendJson(address, method, content) {
+  const headers = { "Content-Type": "application/json" };
+  const answer = await fetch(address, { method, body: JSON.stringify(content), headers });
+  if (!answer.ok) throw new HttpError(await reason(answer));
+  return answer.json();
+}
+
 /** @param {Response} answer @returns {Promise<string>} FastAPI's own words, if there are any */
 async function reason(answer) {
   const text = await answer.text();
