@@ -17,7 +17,9 @@ from app.engine.build import build_program
 from app.languages.catalogue import languages
 from app.messages.commands import parse
 from app.messages.driving_commands import FigureEightCommand
-from app.settings.config import Config
+from app.settings.config import MAPS, Config
+from robot.fields.field_loading import load_field
+from robot.geometry import Pose2
 from robot.settings import SettingError
 from sim.simulated import PERIOD
 
@@ -85,6 +87,24 @@ def test_the_students_file_finds_the_robot(tmp_path, kind):
 
 def given() -> str:
     return "\n\n" + (LESSONS / "dashboard.py").read_text()
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_the_dashboard_can_show_each_situation(seed):
+    field = load_field("square", MAPS)
+    shown = [
+        lesson.checks.situation(case)
+        for lesson in ALL
+        if lesson.checks.situation is not None
+        for case in lesson.checks.cases(seed)
+    ]
+    assert len(shown) > 40
+    for situation in shown:
+        for name in {"", "guess_"} & {key.removesuffix("x") for key in situation}:
+            pose = Pose2(situation[f"{name}x"], situation[f"{name}y"], situation[f"{name}theta"])
+            xmin, ymin, xmax, ymax = field.drive_area
+            assert xmin < pose.x < xmax
+            assert ymin < pose.y < ymax
 
 
 def test_a_teachers_lesson_is_a_folder(tmp_path):

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from app.course.grader.case import FormError, Outcome, Sign
 from app.course.grader.words import Words
@@ -72,3 +73,19 @@ def heading_sign(outcome: Outcome, poses: Array) -> Iterator[Sign]:
         text = "The heading is given as {heading} rad; -π to π is due."
         note = Words(text, {"heading": f"{wrong[0, 2]:.3f}"})
         yield Sign("E2", outcome, apart=True, note=note)
+
+
+def generator_signs(outcome: Outcome, results: Sequence[NDArray[Any]]) -> Iterator[Sign]:
+    """Name chance that is not the generator's.
+
+    Args:
+        outcome: a case with several seeds.
+        results: what each call gave: two with the same seed first, then others.
+    """
+    first, repeated, *others = results
+    if not np.array_equal(first, repeated):
+        note = Words("The same seed gives two different results: the chance is not rng's.")
+        yield Sign("generator", outcome, apart=True, note=note)
+    elif all(np.array_equal(first, other) for other in others):
+        note = Words("Each seed gives the same result: the chance is not rng's.")
+        yield Sign("generator", outcome, apart=True, note=note)

@@ -148,8 +148,8 @@ def picture(outcome: Outcome, due: Array, given: Array) -> str:
 
 
 def situation(case: Case) -> dict[str, float]:
-    """The start, to put the robot there."""
-    x, y, theta = case.arguments[0]
+    """The start, to put the robot there; where the dashboard's square ends, beside it."""
+    x, y, theta = np.clip(case.arguments[0], [-0.4, -0.4, -np.inf], [0.4, 0.4, np.inf])
     return {"x": x, "y": y, "theta": theta}
 
 

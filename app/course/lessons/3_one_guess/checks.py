@@ -19,6 +19,8 @@ HIT, RANDOM = 0.95, 0.05
 """Share of rays that end at tape, and of those that end anywhere."""
 SIGMA = 0.04
 TOLERANCE = 1e-6
+SQUARE = np.array([0.7, 0.8, 0.0])
+"""Middle of the dashboard's square, whose lower side is where the lesson's is."""
 QUARTERS = np.array([0.0, 1.0, 2.0, -1.0]) * math.pi / 2
 
 
@@ -264,12 +266,13 @@ def picture(outcome: Outcome, _due: Array, _given: Array) -> str:
 
 
 def situation(case: Case) -> dict[str, float]:
-    """The first guess."""
-    x, y, theta = case.arguments[0][0]
+    """The first guess, as far from the lower side of the dashboard's square as from its tape."""
+    x, y, theta = case.arguments[0][0] - SQUARE
     return {"guess_x": x, "guess_y": y, "guess_theta": theta}
 
 
 STARTS = frozenset(["origin-ignored", "origin-added", "origin-swapped"])
+PRODUCTS = ("product", "late-logarithm", "plain-product")
 JOINTS = frozenset([*JOINED, *INVERSES])
 CHECKS = Checks(
     functions=("log_weight",),
@@ -281,22 +284,16 @@ CHECKS = Checks(
         *(Hypothesis(name, "S5", STARTS) for name in sorted(STARTS)),
         *(Hypothesis(name, "S8", frozenset(WIDTHS)) for name in NARROW),
         *(Hypothesis(name, "sigma", frozenset(WIDTHS)) for name in WIDE),
-        Hypothesis("no-heading", "S6", kind="headings"),
-        Hypothesis("nearest", "S6", kind="headings"),
+        *(Hypothesis(name, "S6", kind="headings") for name in ("no-heading", "nearest")),
         *(Hypothesis(name, "S3", JOINTS) for name in INVERSES),
-        Hypothesis("product", "S1", JOINTS, "many"),
-        Hypothesis("late-logarithm", "S1", JOINTS, "many"),
-        Hypothesis("plain-product", "S1", JOINTS, "many"),
+        *(Hypothesis(name, "S1", JOINTS, "many") for name in PRODUCTS),
         Hypothesis("plain", "no-logarithm", JOINTS),
-        Hypothesis("heading-as-degrees", "S4"),
-        Hypothesis("bearings-as-degrees", "S4"),
-        Hypothesis("angles-as-degrees", "S4"),
+        *(Hypothesis(f"{name}-as-degrees", "S4") for name in ("heading", "bearings", "angles")),
         Hypothesis("no-outliers", "outliers"),
         Hypothesis("normal-density", "density"),
         Hypothesis("rows", "rows"),
         Hypothesis("rounded", "half-cell"),
-        Hypothesis("mean", "mean", JOINTS),
-        Hypothesis("cubed", "mean", JOINTS),
+        *(Hypothesis(name, "mean", JOINTS) for name in ("mean", "cubed")),
         Hypothesis("sum", "sum", JOINTS),
         Hypothesis("no-square", "square"),
         Hypothesis("bearing-subtracted", "bearing-sign"),

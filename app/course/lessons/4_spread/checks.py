@@ -10,7 +10,7 @@ import numpy as np
 
 from app.course.grader.case import REFERENCE, Case, Checks, Hypothesis, Outcome, Sign
 from app.course.grader.drawing import draw_clouds, draw_poses
-from app.course.grader.forms import array_of, heading_sign, headings_apart
+from app.course.grader.forms import array_of, generator_signs, heading_sign, headings_apart
 from app.course.grader.words import Words
 from robot.geometry import Array, compose, wrap_angle
 
@@ -220,7 +220,9 @@ def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
         if outcome.case.kind == "straight" and _is_parallel(outcome):
             yield Sign("M1", outcome)
         if outcome.case.kind == "seeds":
-            yield from _generator(outcome)
+            drawn = [np.asarray(answer.result) for answer in outcome.answers]
+            if np.ptp(drawn[0][::4], axis=0).max() > 0:  # every fourth particle starts alike
+                yield from generator_signs(outcome, drawn)
 
 
 def _wider(outcome: Outcome) -> bool:
@@ -232,17 +234,6 @@ def _is_parallel(outcome: Outcome) -> bool:
     """Return whether all particles shift alike, though they look into different directions."""
     shifts = np.asarray(outcome.result)[:, :2] - outcome.case.arguments[0][:, :2]
     return bool(np.ptp(shifts, axis=0).max() < 1e-9 and np.abs(shifts).max() > 1e-6)
-
-
-def _generator(outcome: Outcome) -> Iterator[Sign]:
-    first, repeated, other = [np.asarray(answer.result) for answer in outcome.answers]
-    if np.ptp(first[::4], axis=0).max() > 0:  # every fourth particle starts alike
-        if not np.array_equal(first, repeated):
-            note = Words("The same seed gives two different clouds: the noise is not rng's.")
-            yield Sign("generator", outcome, apart=True, note=note)
-        elif np.array_equal(first, other):
-            note = Words("Each seed gives the same cloud: the noise is not rng's.")
-            yield Sign("generator", outcome, apart=True, note=note)
 
 
 def show(case: Case, values: Array) -> str:
@@ -268,6 +259,12 @@ def picture(outcome: Outcome, due: Array, given: Array) -> str:
     worst = int(np.abs(rows[0] - rows[1]).max(axis=1).argmax())
     start = headings_apart(case.arguments[0])[worst]
     return draw_poses({"start": start, "due": rows[0][worst], "given": rows[1][worst]})
+
+
+def situation(case: Case) -> dict[str, float]:
+    """The first particle's heading, in the middle of the field, and the cloud there."""
+    theta = case.arguments[0][0, 2]
+    return {"x": 0, "y": 0, "theta": theta, "guess_x": 0, "guess_y": 0, "guess_theta": theta}
 
 
 ANGLES = frozenset(["new-heading", "old-heading"])
@@ -296,4 +293,5 @@ CHECKS = Checks(
     signs=signs,
     show=show,
     picture=picture,
+    situation=situation,
 )

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from app.course.grader.case import Case, Checks, Hypothesis, Outcome, Sign
 from app.course.grader.drawing import draw_bars
-from app.course.grader.forms import array_of, pair_of
+from app.course.grader.forms import array_of, generator_signs, pair_of
 from app.course.grader.words import Words
 from app.course.sandbox.student_process import Answer
 from robot.geometry import Array
@@ -121,7 +121,8 @@ def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
             yield Sign("R3", outcome, apart=True, note=SHARED)
         yield from _weights(outcome)
         if outcome.case.kind == "seeds":
-            yield from _generator(outcome)
+            draws = [_drawn(answer, outcome.case) for answer in outcome.answers]
+            yield from generator_signs(outcome, draws)
     for outcome in outcomes:
         drawn = np.concatenate([_drawn(answer, outcome.case) for answer in outcome.answers])
         if (drawn == UNLIKE).any():
@@ -151,16 +152,6 @@ def _weights(outcome: Outcome) -> Iterator[Sign]:
             return
     if outcome.case.kind == "many":
         yield Sign("weights", outcome, apart=True, note=note)
-
-
-def _generator(outcome: Outcome) -> Iterator[Sign]:
-    first, repeated, *others = [_drawn(answer, outcome.case) for answer in outcome.answers]
-    if not np.array_equal(first, repeated):
-        note = Words("The same seed gives two different draws: the chance is not rng's.")
-        yield Sign("generator", outcome, apart=True, note=note)
-    if all(np.array_equal(first, other) for other in others):
-        note = Words("Each seed gives the same draw: the chance is not rng's.")
-        yield Sign("generator", outcome, apart=True, note=note)
 
 
 def show(_case: Case, values: Array) -> str:

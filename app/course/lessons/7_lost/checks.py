@@ -9,7 +9,13 @@ import numpy as np
 
 from app.course.grader.case import Case, Checks, Hypothesis, Outcome, Sign
 from app.course.grader.drawing import Drawing, draw_clouds
-from app.course.grader.forms import array_of, heading_sign, headings_apart, pose_features
+from app.course.grader.forms import (
+    array_of,
+    generator_signs,
+    heading_sign,
+    headings_apart,
+    pose_features,
+)
 from app.course.grader.words import Words
 from robot.geometry import Array, wrap_angle
 
@@ -172,22 +178,13 @@ def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
         else:
             yield from heading_sign(outcome, np.asarray(outcome.result))
         if outcome.case.kind == "seeds":
-            yield from _generator(outcome)
+            starts = [np.asarray(answer.result) for answer in outcome.answers]
+            yield from generator_signs(outcome, starts)
     for outcome in outcomes:
         if outcome.case.kind == "around":
             given, due = features(outcome), expected(outcome.case, frozenset())
             if given[2] * due[2] + given[3] * due[3] < 0.5:
                 yield Sign("E1", outcome)
-
-
-def _generator(outcome: Outcome) -> Iterator[Sign]:
-    first, repeated, other = [np.asarray(answer.result) for answer in outcome.answers]
-    if not np.array_equal(first, repeated):
-        note = Words("The same seed gives two different starts: the chance is not rng's.")
-        yield Sign("generator", outcome, apart=True, note=note)
-    elif np.array_equal(first, other):
-        note = Words("Each seed gives the same start: the chance is not rng's.")
-        yield Sign("generator", outcome, apart=True, note=note)
 
 
 def show(case: Case, values: Array) -> str:

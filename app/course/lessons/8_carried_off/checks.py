@@ -19,7 +19,7 @@ from app.course.grader.case import (
     Sign,
 )
 from app.course.grader.drawing import draw_bars
-from app.course.grader.forms import array_of
+from app.course.grader.forms import array_of, generator_signs
 from app.course.grader.small_world import SmallWorld
 from app.course.grader.words import Words
 from robot.geometry import Array
@@ -172,14 +172,10 @@ def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
         values = features(outcome)
         if values[4] > 0:
             yield Sign("invented", outcome)
-        if outcome.case.kind == "seeds":
-            first, repeated, other = [np.asarray(answer.result) for answer in outcome.answers]
-            if not np.array_equal(first, repeated):
-                note = Words("The same seed gives two different answers: the chance is not rng's.")
-                yield Sign("generator", outcome, apart=True, note=note)
-            elif values[0] > 0 and np.array_equal(first, other):
-                note = Words("Each seed gives the same answer: the chance is not rng's.")
-                yield Sign("generator", outcome, apart=True, note=note)
+        if outcome.case.kind == "seeds" and values[0] > 0:
+            yield from generator_signs(
+                outcome, [np.asarray(answer.result) for answer in outcome.answers]
+            )
     memories = [item for item in outcomes if item.case.kind not in ("carried", "seeds")]
     for outcome in memories:
         if np.abs(features(outcome)[1:3] - expected(outcome.case, REFERENCE)[1:3]).max() > 1e-9:
@@ -199,6 +195,11 @@ def picture(outcome: Outcome, due: Array, given: Array) -> str:
     if outcome.case.kind == "carried":
         return ""
     return draw_bars(due[:3], given[:3], ["new", "slow", "fast"])
+
+
+def situation(_case: Case) -> dict[str, float]:
+    """A robot that was carried off, and the cloud where it was."""
+    return {"x": 0.25, "y": 0.25, "theta": 2, "guess_x": 0, "guess_y": 0, "guess_theta": 0}
 
 
 ALL, PLACES = (
@@ -224,4 +225,5 @@ CHECKS = Checks(
     signs=signs,
     show=show,
     picture=picture,
+    situation=situation,
 )
