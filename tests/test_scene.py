@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 
 from app.engine.build import build_program
+from app.page.view.camera_layer import CELL
 from app.page.view.map_layer import MapLayer
 from app.page.view.marks import ESTIMATE, hypothesis_mark
 from app.page.view.scene import FAR_AWAY, HIT, ODOMETRY, RAY, TRUTH
 from app.page.view.view import View
-from app.settings.config import FRONTEND, Config
+from app.settings.config import FRONTEND, MAPS, Config
+from robot.fields.field_loading import load_field
 from robot.geometry import Pose2
 from robot.localization.estimate import Hypothesis
 from robot.localization.filter import Cloud
@@ -87,13 +89,45 @@ def test_rays_and_outline_move_with_the_robot_in_one_node(shown):
     assert hits == pytest.approx(seen, abs=1e-3)
 
 
-def test_the_cameras_picture_stands_in_its_frustum(shown):
+def test_the_cameras_picture_stands_in_its_frustum_and_lies_on_the_floor(shown):
     scene, snapshot = shown
     for _ in range(6):
         scene.update(snapshot)
-    picture = scene._nodes["camera"].image
+    camera = scene._camera
+    picture = camera._frustum.image
     assert picture.shape == (120, 160, 3)
     assert abs(int(picture.mean()) - int(snapshot.frame.image.mean())) < 5
+    # Each point of it is where the floor's drawing has it.
+    floor = camera._floor.image
+    rows, columns = np.mgrid[: floor.shape[0], : floor.shape[1]].reshape(2, -1)
+    there = camera._patch.middle + CELL * np.column_stack(
+        [columns - (floor.shape[1] - 1) / 2, rows - (floor.shape[0] - 1) / 2]
+    )
+    drawn = drawn_at(scene_field(), snapshot.truth.apply(there))
+    seen = floor[rows, columns, 0]
+    tape, bare = drawn < 60, drawn > 150
+    assert tape.sum() > 100
+    assert np.median(seen[tape]) < 80
+    assert np.median(seen[bare]) > 120
+    assert (seen[tape] < 100).mean() > 0.9
+    # As the robot moves on, the picture stays where it was taken.
+    moved = snapshot.pose @ Pose2(0.05, 0.02, 0.3)
+    scene.update(replace(snapshot, pose=moved))
+    x, y, _ = camera._floor.position
+    assert moved.apply(np.array([[x, y]])) == pytest.approx(
+        snapshot.scan_pose.apply(camera._patch.middle[None]), abs=1e-6
+    )
+
+
+def scene_field():
+    return load_field(Config().map, MAPS)
+
+
+def drawn_at(field, points):
+    picture, (xmin, _, _, ymax) = field.floor.image, field.floor.extent
+    columns = np.rint((points[:, 0] - xmin) / field.floor.resolution - 0.5).astype(int)
+    rows = np.rint((ymax - points[:, 1]) / field.floor.resolution - 0.5).astype(int)
+    return picture[rows.clip(0, len(picture) - 1), columns.clip(0, picture.shape[1] - 1)]
 
 
 def test_colours_are_those_of_the_map():

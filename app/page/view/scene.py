@@ -6,36 +6,30 @@ replaced: that costs the server a millisecond, whatever the number of viewers.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from typing import Any
 
 import cv2
 import numpy as np
 import viser
-from scipy.spatial.transform import Rotation
 
 from app.engine.snapshot import Snapshot
 from app.page.thresholds import LIKELY
+from app.page.view.camera_layer import CameraLayer
 from app.page.view.map_layer import MapLayer, lifted
 from app.page.view.marks import ESTIMATE, arrow, by_weight, hypothesis_mark, quaternions
 from app.page.view.paths import Path
 from app.page.view.robot_mesh import robot_meshes
 from robot.description.spec import RobotSpec
 from robot.fields.field import Field
-from robot.interface import Frame
 from robot.mapping.sketch import Sketch
 from robot.scanning.line_scanner import LineScan
 
 TRUTH, ODOMETRY = (0, 105, 79), (168, 50, 4)
 RAY, HIT = (168, 98, 0), (176, 16, 107)
 """As the page's map has them: --floor-truth and its neighbours in style/tokens.css."""
-CAMERA = (60, 70, 80)
-PICTURE_PX = (160, 120)
-"""Size of the picture in the camera's frustum."""
 PICTURE_TICKS = 3
 """It is renewed each so many updates: five times a second."""
-FRUSTUM_M = 0.09
 HEADINGS = 150
 """About this many particles are drawn with their heading."""
 FAR_AWAY = -100.0
@@ -78,7 +72,7 @@ class Scene:
         # moment as the robot's body, and not many that a viewer draws one after the other.
         self._believed = scene.add_frame("/believed", show_axes=False)
         self._nodes = self._add_nodes(scene)
-        self._pictured: Frame | None = None
+        self._camera = CameraLayer(scene, spec, field.floor)
         self._show_outline()
         self._mapping = MapLayer(scene, sketch)
 
@@ -98,8 +92,8 @@ class Scene:
                 self._shown = snapshot.line_scan
                 self._show_cloud(snapshot)
                 self._show_scan(snapshot)
-            if self._ticks % PICTURE_TICKS == 0:
-                self._show_picture(snapshot)
+            if self._ticks % PICTURE_TICKS == 0 and "camera" in snapshot.layers:
+                self._camera.picture(snapshot)
             if self._ticks % 5 == 0:
                 self._show_paths()
                 self._mapping.update()
@@ -111,8 +105,7 @@ class Scene:
         for part, mesh in zip(self._parts, robot_meshes(spec.urdf).values(), strict=True):
             part.vertices, part.faces = mesh.vertices.astype(np.float32), mesh.faces
         self._show_outline()
-        camera = self._nodes["camera"]
-        camera.wxyz, camera.position = _turn(spec), tuple(spec.robot_from_camera[:3, 3])
+        self._camera.use_robot(spec)
 
     def _floor(self, field: Field) -> None:
         xmin, ymin, xmax, ymax = field.floor.extent
@@ -153,11 +146,6 @@ class Scene:
                 batched_colors=ESTIMATE, lod="off", side="double", cast_shadow=False,
                 receive_shadow=False,
             ),
-            "camera": scene.add_camera_frustum(
-                "/robot/camera", *_view_of(self._spec), scale=FRUSTUM_M, thickness=0.001,
-                color=CAMERA, format="jpeg", jpeg_quality=70, cast_shadow=False,
-                wxyz=_turn(self._spec), position=tuple(self._spec.robot_from_camera[:3, 3]),
-            ),
             "rays": lines("/believed/rays", RAY, 0.0012),
             "hits": scene.add_point_cloud(
                 "/believed/hits", point, HIT, point_size=0.009, point_shape="circle",
@@ -191,6 +179,7 @@ class Scene:
         }
         for name, node in self._nodes.items():
             node.visible = visible.get(name, name in snapshot.layers)
+        self._camera.show("camera" in snapshot.layers)
 
     def _show_robot(self, snapshot: Snapshot) -> None:
         believed = snapshot.pose or snapshot.odometry
@@ -201,6 +190,7 @@ class Scene:
         if snapshot.pose is not None:
             self._believed.position = (snapshot.pose.x, snapshot.pose.y, 0.0)
             self._believed.wxyz = tuple(quaternions(np.array([snapshot.pose.theta]))[0])
+            self._camera.place(snapshot)
         else:
             self._believed.position = (0.0, 0.0, FAR_AWAY)
             self._nodes["label_estimate"].position = (0.0, 0.0, FAR_AWAY)
@@ -259,16 +249,6 @@ class Scene:
         self._nodes["rays"].points = lifted(rays, LIFT["rays"])
         self._nodes["hits"].points = lifted(ends, LIFT["rays"]).astype(np.float32)
 
-    def _show_picture(self, snapshot: Snapshot) -> None:
-        """Show the newest picture in the camera's frustum, as small as it is there."""
-        frame = snapshot.frame
-        if frame is None or frame is self._pictured or "camera" not in snapshot.layers:
-            return
-        self._pictured = frame
-        small = cv2.resize(frame.image, PICTURE_PX, interpolation=cv2.INTER_AREA)
-        colours = small if small.ndim == 3 else np.repeat(small[:, :, None], 3, axis=2)
-        self._nodes["camera"].image = colours[:, :, ::-1]
-
     def _show_outline(self) -> None:
         corners = self._spec.outline
         outline = np.stack([corners, np.roll(corners, -1, axis=0)], axis=1)
@@ -282,15 +262,3 @@ class Scene:
 
 
 _LABEL_HEIGHT = {"truth": 0.24, "odometry": 0.06, "estimate": 0.15}
-
-
-def _view_of(spec: RobotSpec) -> tuple[float, float]:
-    """Return the angle from the picture's top to its bottom [rad], and width by height."""
-    lens = spec.lens
-    return 2 * math.atan(lens.height / 2 / lens.matrix[1, 1]), lens.width / lens.height
-
-
-def _turn(spec: RobotSpec) -> tuple[float, float, float, float]:
-    """Return the quaternion of the camera in the robot frame, as w, x, y, z."""
-    x, y, z, w = Rotation.from_matrix(spec.robot_from_camera[:3, :3]).as_quat().tolist()
-    return w, x, y, z
