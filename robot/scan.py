@@ -52,6 +52,17 @@ class Scan:
             sight[near] = np.nan
         return replace(self, ranges=np.where(near | far, np.inf, self.ranges), sight=sight)
 
+    def only(self, rays: NDArray[np.intp]) -> Scan:
+        """Return the same scan with some of its rays, by their indices."""
+        return replace(
+            self,
+            bearings=self.bearings[rays],
+            ranges=self.ranges[rays],
+            sight=None if self.sight is None else self.sight[rays],
+            clear=None if self.clear is None else self.clear[rays],
+            hidden=None if self.hidden is None else self.hidden[rays],
+        )
+
     @property
     def hit(self) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
         """Which rays have a return, (k,)."""

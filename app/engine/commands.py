@@ -22,6 +22,12 @@ from app.engine.driving_commands import (
     stop,
 )
 from app.engine.fault_commands import check_faults, set_faults
+from app.engine.hand_commands import (
+    check_particles_filter,
+    filter_by_hand,
+    filter_step,
+    filter_undo,
+)
 from app.engine.own_models.own_models import OwnChoice
 from app.engine.parameter_changes import with_values_and_models
 from app.engine.pose_commands import (
@@ -69,6 +75,7 @@ from app.messages.driving_commands import (
     TakeCommand,
     UndoCalibrationCommand,
 )
+from app.messages.hand_commands import FilterByHandCommand, FilterStepCommand, FilterUndoCommand
 from app.messages.map_commands import (
     DeleteStrokeCommand,
     DiscardMapCommand,
@@ -187,6 +194,9 @@ RULES: Mapping[type[Command], Rule] = MappingProxyType(
         PauseCommand: Rule(_pause, Repeat.MOMENT),
         ResumeCommand: Rule(_resume, Repeat.MOMENT),
         UpdateCommand: Rule(_update, Repeat.MOMENT),
+        FilterByHandCommand: Rule(filter_by_hand, Repeat.MOMENT, check_particles_filter),
+        FilterStepCommand: Rule(filter_step, Repeat.MOMENT, check_particles_filter),
+        FilterUndoCommand: Rule(filter_undo, Repeat.MOMENT, check_particles_filter),
         PlaceCommand: Rule(place, Repeat.RECORDED, check_placeable, check_inside),
         ResetCommand: Rule(_reset, Repeat.SETTING),
         SetParametersCommand: Rule(_set_parameters, Repeat.SETTING, _check_parameters),

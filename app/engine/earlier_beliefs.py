@@ -14,8 +14,8 @@ MOST_UNDOABLE = 20
 class EarlierBeliefs:
     """The newest beliefs, as copies that nothing changes any more."""
 
-    def __init__(self) -> None:
-        self._beliefs: deque[Checkpoint] = deque(maxlen=MOST_UNDOABLE)
+    def __init__(self, most: int = MOST_UNDOABLE) -> None:
+        self._beliefs: deque[Checkpoint] = deque(maxlen=most)
 
     def __len__(self) -> int:
         """How many changes can be undone."""
@@ -23,10 +23,21 @@ class EarlierBeliefs:
 
     def keep(self, belief: tuple[Any, ...], unchanging: tuple[Any, ...]) -> None:
         """Keep a belief; the copy shares what never changes."""
+        self.add(self.copy(belief, unchanging))
+
+    def copy(self, belief: tuple[Any, ...], unchanging: tuple[Any, ...]) -> Checkpoint | None:
+        """Return a copy for ``add``; None if something cannot be copied."""
         try:
-            self._beliefs.append(CheckpointWriter(unchanging).keep(belief))
+            return CheckpointWriter(unchanging).keep(belief)
         except CheckpointError:  # a user's own model holds what cannot be copied
-            self._beliefs.clear()
+            return None
+
+    def add(self, copy: Checkpoint | None) -> None:
+        """Keep a copy; without one there is no way back to what is before it either."""
+        if copy is None:
+            self.clear()
+        else:
+            self._beliefs.append(copy)
 
     def restore(self) -> Any:
         """Return the belief before the last change, and forget it here."""

@@ -238,6 +238,8 @@ class Engine:
             line_scan=localization.line_scan,
             odom_from_scan=controls.odom_from_scan,
             scan_pose=scan_pose,
+            weighing=localization.weighing,
+            hand=localization.hand,
             paused=localization.paused,
             updates=localization.updates,
             undoable=localization.undoable,

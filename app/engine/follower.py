@@ -7,12 +7,14 @@ from collections.abc import Mapping
 import numpy as np
 
 from app.engine.own_models.own_models import OwnChoice
+from app.engine.steps_by_hand import HandState
 from robot.driving.odometry import OdometryState
 from robot.geometry import Pose2
 from robot.interface import Frame
 from robot.localization.estimate import SEARCHING, Belief, Integrity
 from robot.localization.filter import Cloud
 from robot.localization.parameters import LocalizationParameters
+from robot.localization.weighing import Weighing
 from robot.scan import Scan
 from robot.scanning.line_scanner import LineScan, LineScanner
 
@@ -36,6 +38,16 @@ class Follower:
     def cloud(self) -> Cloud:
         """The particles with their newest weights."""
         return NO_CLOUD
+
+    @property
+    def weighing(self) -> Weighing | None:
+        """The scan by which particles are weighed now, and how; None without one."""
+        return None
+
+    @property
+    def hand(self) -> HandState | None:
+        """How far the filter is by hand; None while it works by itself."""
+        return None
 
     @property
     def updates(self) -> int:

@@ -5,12 +5,14 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from app.engine.earlier_beliefs import EarlierBeliefs
 from app.engine.follower import Follower
 from app.engine.own_models.own_models import OwnChoice, OwnModels
+from app.engine.steps_by_hand import HandState, StepsByHand
 from robot.description.spec import RobotSpec
 from robot.driving.odometry import OdometryState
 from robot.fields.field import Field
@@ -18,6 +20,7 @@ from robot.geometry import Array, Pose2
 from robot.interface import Frame
 from robot.localization.estimate import Alert, Belief, Estimate, Hypothesis, Integrity
 from robot.localization.filter import Cloud, Setup
+from robot.localization.filter_by_hand import Step
 from robot.localization.localizer import Localizer, make_filter, transfer_belief
 from robot.localization.models.entry_field import EntryField
 from robot.localization.models.motion_models import MotionModel
@@ -28,6 +31,7 @@ from robot.localization.monitoring.mounting_check import Mounting
 from robot.localization.monitoring.steady_errors import SteadyErrors
 from robot.localization.parameters import LocalizationParameters
 from robot.localization.refinement import Refinement
+from robot.localization.weighing import Weighing
 from robot.scan import Scan
 from robot.scanning.line_scanner import LineScanner
 
@@ -79,6 +83,9 @@ class Localization(Follower):
         self._entries = entries
         self._once = False
         self.earlier = EarlierBeliefs()
+        self.by_hand = StepsByHand()
+        self._newest: tuple[Scan, Pose2] | None = None
+        """The newest scan, and odometry at its stamp."""
         self.remarks: tuple[Alert, ...] = ()
         """Reasons for doubt besides those that the monitor finds."""
         setup = self._setup()
@@ -101,8 +108,25 @@ class Localization(Follower):
 
     @property
     def cloud(self) -> Cloud:
-        """The particles with their newest weights."""
-        return self._localizer.filter.cloud
+        """The particles with their newest weights; by hand, as they stand."""
+        return self.by_hand.particles or self._localizer.filter.cloud
+
+    @property
+    def hand(self) -> HandState | None:
+        """How far the filter is by hand; None while it works by itself."""
+        return self.by_hand.state(self._newest and self._newest[1])
+
+    @property
+    def weighing(self) -> Weighing | None:
+        """The scan by which particles are weighed now, and how; None before the first."""
+        seen, newest = self._localizer.seen, self._newest
+        if seen is None or newest is None:
+            return None
+        scan, odometry = self.by_hand.seen or (seen, newest[1])
+        extra = self._localizer.filter.extra_sd
+        best = None if self.belief is None else self.belief.pose(odometry)
+        power = self.parameters.sensor.likelihood_weight
+        return Weighing(replace(scan, extra_sd=extra), self._model, power, best)
 
     @property
     def integrity(self) -> Integrity:
@@ -157,7 +181,11 @@ class Localization(Follower):
 
     def take(self, scan: Scan, pose: Pose2) -> None:
         """Update the filter with a scan, and the odometry's pose at its stamp."""
+        self._newest = scan, pose
+        if self.by_hand.enabled:
+            return
         if self.fault or (self.paused and not self._once):
+            self._localizer.seen = self._localizer.trusted(scan)
             # If the cloud has not moved, keep the earlier estimate and its odometry.
             if self._localizer.predict(pose) or self.belief is None:
                 self._believe(self._localizer.estimate(scan.stamp), pose)
@@ -180,30 +208,68 @@ class Localization(Follower):
     def set_pose_with(self, pose: Pose2, covariance: Array) -> None:
         """Tell the filter where the robot is, with a covariance (3, 3) [m, m, rad]."""
         self._localizer.set_pose(pose, covariance)
-        self.belief = None
+        self._restarted()
 
     def set_cloud(self, cloud: Cloud) -> None:
         """Start the filter from weighted poses."""
         self._localizer.set_cloud(cloud)
-        self.belief = None
+        self._restarted()
 
     def scatter(self) -> None:
         """Start the filter scattered: the robot may be anywhere on the field."""
         self._localizer.scatter()
-        self.belief = None
+        self._restarted()
 
     def keep_belief(self) -> None:
         """Keep the belief before it is changed, for ``undo``."""
-        own = self.own
-        unchanging = (self._field, self._field.edges, own, own.sensor, own.motion)
-        belief = (self._localizer, self._monitor, self.belief, self._rng)
-        self.earlier.keep(belief, unchanging)
+        self.earlier.keep(self._parts, self._unchanging)
 
     def undo(self) -> None:
         """Restore the belief before its last change, which odometry has moved since."""
         odom_from_robot = self._localizer.now
-        self._localizer, self._monitor, self.belief, self._rng = self.earlier.restore()
+        self._put_back(self.earlier.restore())
         self._localizer.now = odom_from_robot
+        self.by_hand.restart(self._localizer)
+
+    def set_by_hand(self, *, enabled: bool) -> None:
+        """Let the filter wait for steps by hand, or work by itself.
+
+        Raises:
+            StepError: the filter is no particle filter.
+        """
+        self.by_hand.switch(self._localizer if enabled else None)
+
+    def step_by_hand(self, step: Step) -> None:
+        """Take a step of the filter by hand.
+
+        Raises:
+            StepError: this is not the time for it.
+        """
+        belief = self.by_hand.step(step, self._newest, self._parts, self._unchanging)
+        if step == "weigh":
+            self.own.note_update()
+            self.belief = belief or self.belief
+
+    def undo_by_hand(self) -> None:
+        """Take back the last step by hand.
+
+        Raises:
+            StepError: there is none.
+        """
+        self._put_back(self.by_hand.undo())
+
+    @property
+    def _parts(self) -> tuple[Any, ...]:
+        """All that a belief consists of."""
+        return self._localizer, self._monitor, self.belief, self._rng
+
+    @property
+    def _unchanging(self) -> tuple[Any, ...]:
+        """What copies of a belief share."""
+        return self._field, self._field.edges, self.own, self.own.sensor, self.own.motion
+
+    def _put_back(self, parts: tuple[Any, ...]) -> None:
+        self._localizer, self._monitor, self.belief, self._rng = parts
         self.use(self.parameters)
 
     def update_once(self) -> None:
@@ -221,6 +287,7 @@ class Localization(Follower):
         )
         self._localizer.monitor = self._monitor
         self.earlier.clear()
+        self.by_hand.restart(self._localizer)
 
     def reset(self) -> None:
         """Restore the configured parameters and models, and start the filter again."""
@@ -228,6 +295,7 @@ class Localization(Follower):
             self.own.load(self.configured)
         self.use(self.configured)
         self.paused = self._once = False
+        self.by_hand.switch(None)
         self._begin()
 
     def _begin(self) -> None:
@@ -238,7 +306,12 @@ class Localization(Follower):
             self.set_pose_with(self._start[0].pose, self._start[0].covariance)
         else:
             self._localizer.set_hypotheses(self._start)
-            self.belief = None
+            self._restarted()
+
+    def _restarted(self) -> None:
+        """Drop what was said of the belief that is no more."""
+        self.belief = None
+        self.by_hand.restart(self._localizer)
 
     def is_slow_to_use(self, parameters: LocalizationParameters) -> bool:
         """Return whether parameters need a new table of distances, which may take some seconds."""
@@ -268,6 +341,7 @@ class Localization(Follower):
         self.parameters = parameters
         setup = self._setup()
         if other:
+            self.by_hand.switch(None)
             self._localizer.filter = transfer_belief(
                 make_filter(setup, self._rng), self._localizer.filter
             )
@@ -288,6 +362,7 @@ class Localization(Follower):
     def _setup(self) -> Setup:
         sensor = self._sensor()
         assert self._entries is not None
+        self._model = sensor
         return Setup.of(self._field, self._entries, self._motion(), sensor, self.parameters)
 
     def _motion(self) -> MotionModel:

@@ -9,6 +9,7 @@ from typing import get_args
 from app.engine.driving import Mode
 from app.engine.own_models.own_models import OwnChoice
 from app.engine.problems import Problem, Problems
+from app.engine.steps_by_hand import HandState
 from app.messages.commands import Command
 from app.messages.message import Layer
 from robot.description.spec import RobotSpec
@@ -18,6 +19,7 @@ from robot.interface import Frame, Reading
 from robot.localization.estimate import Estimate, Integrity, State
 from robot.localization.filter import Cloud
 from robot.localization.parameters import LocalizationParameters
+from robot.localization.weighing import Weighing
 from robot.scanning.line_scanner import LineScan, LineScanner
 
 
@@ -107,6 +109,10 @@ class Snapshot:
     """Odometry at the scan's stamp."""
     scan_pose: Pose2 | None
     """The estimate at the scan's stamp."""
+    weighing: Weighing | None = field(repr=False)
+    """The scan by which particles are weighed now, and how; None before the first."""
+    hand: HandState | None = field(repr=False)
+    """How far the filter is by hand; None while it works by itself."""
     paused: bool
     updates: int
     undoable: int

@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 from pydantic import AwareDatetime, Field, TypeAdapter, ValidationError
 
 from app.messages.driving_commands import DrivingCommand
+from app.messages.hand_commands import HandCommand
 from app.messages.map_commands import MapCommand
 from app.messages.message import CommandMessage, Layer, Message, Metres, Radians
 from robot.errors import CommandError
@@ -182,6 +183,7 @@ class PingCommand(CommandMessage):
 Command = Annotated[
     DrivingCommand
     | MapCommand
+    | HandCommand
     | SetPoseCommand
     | SetParticlesCommand
     | ScatterCommand

@@ -20,6 +20,12 @@ from app.messages.floor_grid import FloorGridMessage
 from app.messages.lens import LensMessage, LensRequest, LensStatusMessage
 from app.messages.recordings import ChangeMessage, RecordingEntry
 from app.messages.telemetry import PictureMessage, TelemetryMessage
+from app.messages.weighing import (
+    HandStepMessage,
+    HeadingsMessage,
+    LandscapeMessage,
+    PoseFitsMessage,
+)
 
 
 def schema() -> dict[str, Any]:
@@ -29,6 +35,7 @@ def schema() -> dict[str, Any]:
         HealthMessage, FieldMessage, ParameterMessage, ProfileMessage, ProblemsMessage,
         FloorGridMessage, LanguageMessage, RecordingEntry, ChangeMessage,
         LensStatusMessage, LensRequest, LensMessage,
+        PoseFitsMessage, LandscapeMessage, HeadingsMessage, HandStepMessage,
     ]  # fmt: skip
     _, definitions = TypeAdapter.json_schemas(
         [(adapter, "validation", TypeAdapter(adapter)) for adapter in adapters]

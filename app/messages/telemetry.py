@@ -102,12 +102,29 @@ class LoopMessage(Message):
     """From the exposure of the newest frame to this telemetry, on the robot's clock."""
 
 
+class HandMessage(Message):
+    """How far the filter is by hand."""
+
+    number: int
+    """Another one after each step, forwards or back: ``/api/filter_by_hand`` tells of it."""
+    last: Literal["predict", "weigh", "resample"] | None
+    """The last step; null before the first."""
+    undoable: int
+    """How many steps can be taken back."""
+    effective: float
+    """Effective sample size of the particles as they stand."""
+    ahead: PoseMessage
+    """How far the wheels have driven since the last prediction, in the robot frame."""
+
+
 class FilterMessage(Message):
     """State of the filter."""
 
     paused: bool
     kind: str
     """Its name, one of those of the parameter ``filter``."""
+    hand: HandMessage | None = None
+    """How far it is by hand; null while it works by itself."""
     updates: int
     """Measurement updates since the last set_pose, scatter or reset."""
     undoable: int

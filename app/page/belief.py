@@ -9,12 +9,15 @@ from collections.abc import Sequence
 import numpy as np
 
 from app.engine.snapshot import Snapshot
+from app.engine.steps_by_hand import HandState
 from app.messages.telemetry import (
     EstimateMessage,
     FilterMessage,
+    HandMessage,
     HypothesisMessage,
     IntegrityMessage,
     ParticlesMessage,
+    PoseMessage,
 )
 from app.page.thresholds import ALIKE, LIKELY
 from robot.covariance import by_rows
@@ -47,11 +50,11 @@ def integrity_message(claimed: Integrity) -> IntegrityMessage:
 
 def particles_message(snapshot: Snapshot, extent: Extent) -> ParticlesMessage:
     """Return the cloud, and the hypotheses carried forward to the snapshot's stamp."""
-    estimate, cloud, hypotheses = snapshot.estimate, snapshot.cloud, snapshot.hypotheses()
+    cloud, hypotheses = snapshot.cloud, snapshot.hypotheses()
     weights = [weight for _, weight, _ in hypotheses]
     return ParticlesMessage(
         count=len(cloud.weights),
-        effective=estimate.effective if estimate else float(len(cloud.weights)),
+        effective=_effective(snapshot),
         hypotheses=[
             HypothesisMessage(
                 x=pose.x, y=pose.y, theta=pose.theta, weight=weight, covariance=by_rows(covariance)
@@ -63,6 +66,13 @@ def particles_message(snapshot: Snapshot, extent: Extent) -> ParticlesMessage:
         extent=list(extent),
         cloud=packed(cloud, extent),
     )
+
+
+def _effective(snapshot: Snapshot) -> float:
+    if snapshot.hand is not None:
+        return snapshot.hand.effective
+    estimate = snapshot.estimate
+    return estimate.effective if estimate else float(len(snapshot.cloud.weights))
 
 
 def alike(state: State, weights: Sequence[float]) -> int:
@@ -79,15 +89,29 @@ def filter_message(snapshot: Snapshot) -> FilterMessage:
     return FilterMessage(
         paused=snapshot.paused,
         kind=snapshot.parameters.filter.filter,
+        hand=hand_message(snapshot.hand),
         updates=snapshot.updates,
         undoable=snapshot.undoable,
         broken=snapshot.fault,
     )
 
 
-def packed(cloud: Cloud, extent: Extent) -> str:
-    """Pack the cloud as ``ParticlesMessage.cloud`` describes."""
-    step = max(1, math.ceil(len(cloud.weights) / MOST_PARTICLES))
+def hand_message(state: HandState | None) -> HandMessage | None:
+    """Return how far the filter is by hand; None while it works by itself."""
+    if state is None:
+        return None
+    return HandMessage(
+        number=state.number,
+        last=None if state.last is None else state.last.step,
+        undoable=state.undoable,
+        effective=state.effective,
+        ahead=PoseMessage(x=state.ahead.x, y=state.ahead.y, theta=state.ahead.theta),
+    )
+
+
+def packed(cloud: Cloud, extent: Extent, most: int = MOST_PARTICLES) -> str:
+    """Pack at most so many of a cloud as ``ParticlesMessage.cloud`` describes."""
+    step = max(1, math.ceil(len(cloud.weights) / most))
     poses, weights = cloud.poses[::step], cloud.weights[::step]
     xmin, ymin, xmax, ymax = extent
     part = (poses[:, :2] - (xmin, ymin)) / (xmax - xmin, ymax - ymin)

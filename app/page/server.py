@@ -28,6 +28,7 @@ from app.page.camera_stream import STREAM, CameraStream
 from app.page.docs_page import docs_page
 from app.page.faults import faults_router
 from app.page.field import NO_PICTURE, field_router
+from app.page.filter_by_hand import hand_router
 from app.page.floor_grid import floor_grid_router
 from app.page.language import language_router, page
 from app.page.lens.routes import lens_router
@@ -38,6 +39,7 @@ from app.page.token_guard import TokenRequired, role_in
 from app.page.tokens import Role, Tokens
 from app.page.view.cameras import Look
 from app.page.view.view import View
+from app.page.weighing import weighing_router
 from app.recordings.contents import contents_of
 from app.recordings.replay.recorded_robot import replayed
 from app.recordings.routes import contents_router, recordings_router
@@ -105,6 +107,8 @@ def create_app(
     app.include_router(calibration_router(program, outlets.calibrator))
     app.include_router(mapping_router(outlets.mapping))
     app.include_router(faults_router(program))
+    app.include_router(weighing_router(program))
+    app.include_router(hand_router(program))
     app.include_router(recordings_router(program.config.recording.path, replayed(program.robot)))
     app.include_router(contents_router(lambda: contents_of(program)))
     for router in routers:

@@ -158,6 +158,11 @@ class Filter(Protocol):
         """State of the search for other places."""
         ...
 
+    @property
+    def extra_sd(self) -> float:
+        """How much less the last scan's ranges were believed, as the belief is coarse [m]."""
+        ...
+
     def use(self, setup: Setup) -> None:
         """Switch to other models and parameters, and keep the belief."""
         ...

@@ -99,6 +99,11 @@ class KalmanFilter:
         return (Hypothesis(1.0, self._pose, self._covariance),)
 
     @property
+    def extra_sd(self) -> float:
+        """Nothing: it does not ask single poses."""
+        return 0.0
+
+    @property
     def effective(self) -> float:
         """``SHOWN``, times the factor by which the last scan shrank the ellipsoid's volume."""
         return SHOWN * self._left

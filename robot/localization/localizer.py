@@ -47,6 +47,8 @@ class Localizer:
         """The claim about the newest estimate."""
         self.now: Pose2 | None = None
         """The robot's current pose in the odom frame, for restarts; None: that of the next scan."""
+        self.seen: Scan | None = None
+        """The newest scan as the filter takes it, whether or not it was due."""
         self._odometry: Pose2 | None = None
         self._forced = True
 
@@ -85,7 +87,7 @@ class Localizer:
         Returns:
             Whether the belief moved. It stays if the robot has hardly moved since the last time.
         """
-        moved = self._moved(odometry)
+        moved = self.moved(odometry)
         due = self._is_due(moved)
         if due:
             self._odometry = odometry
@@ -103,19 +105,31 @@ class Localizer:
             The estimate; None if the robot has hardly moved since the last scan, or if nothing is
             known.
         """
-        moved = self._moved(odometry)
-        if not (self._forced or self._is_due(moved)):
+        self.seen = self.trusted(scan)
+        if not (self._forced or self._is_due(self.moved(odometry))):
             return None
-        self._forced = False
+        self.advance(odometry)
+        self.filter.correct(self.seen)
+        return self.conclude(odometry, self.seen)
+
+    def advance(self, odometry: Pose2) -> Pose2:
+        """Move the belief by all of the odometry since it was last moved; return the step."""
+        moved = self._as_wheels_are(self.moved(odometry))
         # The odometry of the last step advances only with a prediction, so no motion is lost.
         self._odometry = odometry
-        self.filter.predict(self._as_wheels_are(moved))
+        self.filter.predict(moved)
+        return moved
+
+    def trusted(self, scan: Scan) -> Scan:
+        """Return a scan as the filter takes it: ranges that are trusted, the camera's tilt off."""
         seen = scan.within(*self.reach)
-        if self.monitor is not None:
-            seen = self.monitor.corrected(seen)
-        self.filter.correct(seen)
+        return seen if self.monitor is None else self.monitor.corrected(seen)
+
+    def conclude(self, odometry: Pose2, seen: Scan) -> Estimate | None:
+        """Return the estimate after a scan was weighed, refined and checked; and claim it."""
+        self._forced = False
         self.updates += 1
-        estimate = self.estimate(scan.stamp)
+        estimate = self.estimate(seen.stamp)
         if estimate is None:
             return None
         heaviest = estimate.hypotheses[0]
@@ -153,7 +167,8 @@ class Localizer:
         self._odometry = self.now
         self._forced = True
 
-    def _moved(self, odometry: Pose2) -> Pose2:
+    def moved(self, odometry: Pose2) -> Pose2:
+        """Return the motion by odometry since the belief was last moved."""
         if self._odometry is None:
             self._odometry = odometry
         return self._odometry.inverse() @ odometry

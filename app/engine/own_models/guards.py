@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from copy import copy
 from dataclasses import replace
 from typing import Any
 
@@ -95,6 +96,12 @@ class OwnSensor:
         )
         result = self.guard.call((len(poses),), poses.copy(), own)
         return np.zeros(len(poses)) if result is None else result
+
+    def apart(self) -> OwnSensor:
+        """Return the same model with a guard of its own: a failure there stops no robot."""
+        other = copy(self)
+        other.guard = copy(self.guard)
+        return other
 
     def try_out(self, start: Pose2) -> None:
         """Ask once, so that mistakes show (and numba compiles) before the robot drives."""

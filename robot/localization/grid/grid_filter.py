@@ -126,6 +126,11 @@ class GridFilter:
         return self._found
 
     @property
+    def extra_sd(self) -> float:
+        """Nothing: it does not ask single poses."""
+        return 0.0
+
+    @property
     def effective(self) -> float:
         """How many equally likely boxes the belief is worth."""
         return effective_sample_size(self._grid.mass)

@@ -116,6 +116,11 @@ class MultiHypothesisFilter:
             return Standing.LOST
         return Standing.CONFIRMED if self._confirmation.is_given else Standing.UNCONFIRMED
 
+    @property
+    def extra_sd(self) -> float:
+        """How much less the heaviest track believed the last ranges, as its particles lie apart."""
+        return self._tracks[0].filter.extra_sd if self._tracks else 0.0
+
     def loosen(self, factor: float) -> None:
         """Multiply the motion model's standard deviations by ``factor`` from now on."""
         self._looseness = factor

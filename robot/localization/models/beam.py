@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robot.fields.edge_index import EdgeIndex
 from robot.geometry import Array, heading_vectors
@@ -61,13 +62,17 @@ class Beam:
         """How many rays the log-likelihood is the sum of: also those that did not return."""
         return len(self._rays(scan))
 
+    def counted(self, scan: Scan) -> NDArray[np.intp]:
+        """Indices of the rays that the log-likelihood is the sum of."""
+        return evenly(len(scan.ranges), self.max_beams)
+
     def _rays(self, scan: Scan) -> Array:
         """What of the rays (k, 7) is the same for all poses.
 
         Direction in the robot frame (2), range, p of a range cut short, where sight begins, and
         from where to where an edge is surely seen: before anything that may hide one.
         """
-        used = evenly(len(scan.ranges), self.max_beams)
+        used = self.counted(scan)
         rays = np.empty((len(used), 7))
         rays[:, :2] = heading_vectors(scan.robot_from_scan.theta + scan.bearings[used])
         rays[:, 2] = scan.ranges[used]

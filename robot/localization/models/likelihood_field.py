@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from robot.geometry import Array
 from robot.localization.kernels.ray_sums import DEGREE, sum_over_rays
 from robot.localization.models.entry_field import EntryField
-from robot.scan import Scan
+from robot.scan import Scan, evenly
 
 FADED = 6.0
 """Where an edge makes a return likelier by no more than exp(-6), it is as good as none."""
@@ -61,6 +61,11 @@ class LikelihoodField:
     def count_rays(self, poses: Array, scan: Scan) -> int:
         """How many rays the log-likelihood is the sum of: of those that returned, all it may."""
         return min(int(np.count_nonzero(scan.hit)), self.max_beams)
+
+    def counted(self, scan: Scan) -> NDArray[np.intp]:
+        """Indices of the rays that the log-likelihood is the sum of."""
+        hits = np.flatnonzero(scan.hit)
+        return hits[evenly(len(hits), self.max_beams)]
 
     @cached_property
     def _curve(self) -> tuple[float, NDArray[np.float32]]:

@@ -39,26 +39,18 @@ class LikelihoodFieldProb:
 
     def log_likelihood(self, poses: Array, scan: Scan) -> Array:
         """Log-likelihood (n,) of a scan at poses (n, 3), up to a constant."""
-        return self.plain.log_likelihood(poses, self._without_skipped(poses, scan))
+        return self.plain.log_likelihood(poses, self.without_skipped(poses, scan))
 
     def count_rays(self, poses: Array, scan: Scan) -> int:
         """How many rays the log-likelihood is the sum of: those that are not skipped."""
-        return self.plain.count_rays(poses, self._without_skipped(poses, scan))
+        return self.plain.count_rays(poses, self.without_skipped(poses, scan))
 
-    def _without_skipped(self, poses: Array, scan: Scan) -> Scan:
+    def without_skipped(self, poses: Array, scan: Scan) -> Scan:
+        """Return a scan without the rays that hardly any of the poses (n, 3) explains."""
         if not (self.skips and len(poses) and scan.hit.any()):
             return scan
         poses = poses[evenly(len(poses), ASKED)]
-        hits = np.flatnonzero(scan.hit)
-        used = hits[evenly(len(hits), self.plain.max_beams)]
-        scan = replace(
-            scan,
-            bearings=scan.bearings[used],
-            ranges=scan.ranges[used],
-            sight=None if scan.sight is None else scan.sight[used],
-            clear=None if scan.clear is None else scan.clear[used],
-            hidden=None if scan.hidden is None else scan.hidden[used],
-        )
+        scan = scan.only(self.plain.counted(scan))
         points = scan.points()
         if _width(poses, points) >= self.skip_distance:
             return scan

@@ -17,6 +17,7 @@ from robot.localization.parameters import FilterParameters
 from robot.localization.particles.clusters import Cells, Clusters, find_clusters
 from robot.localization.particles.resampling import (
     Recovery,
+    Resampled,
     coarseness,
     effective_sample_size,
     kld_sample_size,
@@ -54,6 +55,8 @@ class ParticleFilter:
         self.share = share
         """Part of the particles that it may keep, when it is one of many; more than one while the
         robot may be anywhere on a large map."""
+        self.extra_sd = 0.0
+        """How much less ranges were believed in the last scan, as the particles lie apart [m]."""
         self._rng = rng
         self.set_pose(field.start, parameters.initial_covariance)
 
@@ -88,6 +91,11 @@ class ParticleFilter:
     def cloud(self) -> Cloud:
         """The cloud as the last scan weighed it, before resampling."""
         return self._weighed
+
+    @property
+    def particles(self) -> Cloud:
+        """The particles that go on: after a resampling, the copies."""
+        return self._particles
 
     @property
     def hypotheses(self) -> tuple[Hypothesis, ...]:
@@ -133,18 +141,24 @@ class ParticleFilter:
 
     def correct(self, scan: Scan) -> None:
         """Weigh the particles by a scan, and draw those that go on."""
-        self._weigh(scan)
+        self.weigh(scan)
+        if self._should_resample():
+            self.resample()
+
+    def weigh(self, scan: Scan) -> None:
+        """Weigh the particles by a scan, and describe their clusters."""
+        self._multiply(scan)
         self._describe()
         self._weighed = self._particles
         self._scans += 1
-        if self._should_resample():
-            self._resample()
 
-    def _weigh(self, scan: Scan) -> None:
+    def _multiply(self, scan: Scan) -> None:
+        """Multiply each weight by the likelihood of a scan, and let them sum to one."""
         poses, weights = self._particles.poses, self._particles.weights
         # The clusters are those of the last scan: they move and widen little in between.
         known, settings = self._clusters, self.parameters
         apart, returned = coarseness(known.weights, known.covariances, len(poses), scan.ranges)
+        self.extra_sd = apart
         believed = _believed(scan, apart)
         # To some models it says much that nothing returned; others have nothing to be asked then.
         if not (returned or count_rays(self.sensor, poses, believed)):
@@ -176,15 +190,19 @@ class ParticleFilter:
             return True
         return self.effective < 0.5 * len(self._particles.weights)
 
-    def _resample(self) -> None:
+    def resample(self) -> Resampled:
+        """Draw the particles that go on, by weight; their copies spread a little."""
         poses, weights = self._particles.poses, self._particles.weights
+        scale = self.parameters.regularization
         kept = low_variance(weights, self._wanted(weights), self._rng)
-        spread = regularize(poses, self._clusters, kept, self.parameters.regularization, self._rng)
+        spread = regularize(poses, self._clusters, kept, scale, self._rng)
+        renewed = np.zeros(len(spread), dtype=np.bool_)
         if share := self._recovery.share():
             renewed = self._rng.random(len(spread)) < share
             spread[renewed] = self.field.free_poses(self._rng, int(renewed.sum()))
             self._recovery = Recovery()  # as in nav2: a fall counts once
         self._particles = Cloud.even(spread)
+        return Resampled(self._clusters, kept, renewed, in_order=scale == 0)
 
     def _wanted(self, weights: Array) -> int:
         """How many particles go on (KLD sampling).

@@ -85,6 +85,30 @@ def coarseness(
     return float(apart), len(returned)
 
 
+@dataclass(frozen=True, slots=True)
+class Resampled:
+    """Which particles were drawn, as copies are in another order."""
+
+    clusters: Clusters
+    """Of the particles that were drawn from."""
+    drawn: NDArray[np.int64]
+    """(m,) as ``low_variance`` drew them."""
+    renewed: NDArray[np.bool_]
+    """(m,) which of the particles that go on come from anywhere instead."""
+    in_order: bool
+    """Whether the copies are in the order in which they were drawn: they are not, if spread."""
+
+    @property
+    def parents(self) -> NDArray[np.int64]:
+        """Of which particle each that goes on is a copy (m,); -1 is of none."""
+        parents = self.drawn
+        if not self.in_order:
+            # Copies of a cluster stand side by side; see ``spread_copies``.
+            cluster = np.minimum(self.clusters.labels[parents], len(self.clusters.means))
+            parents = parents[np.argsort(cluster, kind="stable")]
+        return np.where(self.renewed, -1, parents)
+
+
 def low_variance(weights: Array, count: int, rng: np.random.Generator) -> NDArray[np.int64]:
     """Indices (count,) of particles drawn by weight (Probabilistic Robotics, Table 4.4).
 
