@@ -64,6 +64,11 @@ const map = new MapPanel(loop, order, () => home.go());
 const mapping = new MappingPanel(drive.drive, order, connection, (drawing, chosen) => map.setDrawing(drawing, chosen));
 const plots = new PlotsPanel(loop, history, (stamp) => replay.seek(stamp));
 const filter = new FilterPanel(connection, order, () => map.telling.scatter());
+findButton("by-hand").onclick = async () => {
+  tabs.show("map");
+  if (!layout.shows("map")) layout.show("map", true);
+  (await map.particles()).show(true);
+};
 const replay = new ReplayBar(order);
 const replayKeys = new ReplayKeys(replay);
 const view3d = new View3d(appearance, order, (target) => {

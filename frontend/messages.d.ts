@@ -8,6 +8,9 @@ export type Command =
   | DriveCommand
   | ExploreCommand
   | FigureEightCommand
+  | FilterByHandCommand
+  | FilterStepCommand
+  | FilterUndoCommand
   | FinishCalibrationCommand
   | FinishMapCommand
   | JoinStrokesCommand
@@ -229,11 +232,24 @@ export interface FigureEightCommand {
   speed?: number | null;
 }
 
+/**
+ * Let the particle filter wait for steps by hand, or work by itself again. Odometry gathers
+ * meanwhile; the next prediction uses all of it.
+ */
+export interface FilterByHandCommand {
+  /** Repeated in the answer. */
+  id?: number | string | null;
+  type: "filter_by_hand";
+  on: boolean;
+}
+
 /** State of the filter. */
 export interface FilterMessage {
   paused: boolean;
   /** Its name, one of those of the parameter ``filter``. */
   kind: string;
+  /** How far it is by hand; null while it works by itself. */
+  hand?: HandMessage | null;
   /** Measurement updates since the last set_pose, scatter or reset. */
   updates: number;
   /** How many changes of the belief ``undo`` can take back. */
@@ -243,6 +259,25 @@ export interface FilterMessage {
    * filter pauses until it is fixed.
    */
   broken: string | null;
+}
+
+/**
+ * Take one step of the particle filter by hand. predict: move the particles by odometry up to the
+ * newest picture, and by chance. weigh: weigh them by that picture. resample: draw those that go
+ * on. Each is possible after the one before it, and predict always.
+ */
+export interface FilterStepCommand {
+  /** Repeated in the answer. */
+  id?: number | string | null;
+  type: "filter_step";
+  step: "predict" | "weigh" | "resample";
+}
+
+/** Take back the last step by hand: all is as before it, the random numbers to come, too. */
+export interface FilterUndoCommand {
+  /** Repeated in the answer. */
+  id?: number | string | null;
+  type: "filter_undo";
 }
 
 /** End the calibration's drive, and calibrate the robot by what it has seen so far. */
@@ -280,6 +315,56 @@ export interface GridLineMessage {
   pixels: [number, number][];
   /** Whether it is the line straight ahead of the robot. */
   ahead: boolean;
+}
+
+/** How far the filter is by hand. */
+export interface HandMessage {
+  /** Another one after each step, forwards or back: ``/api/filter_by_hand`` tells of it. */
+  number: number;
+  /** The last step; null before the first. */
+  last: "predict" | "weigh" | "resample" | null;
+  /** How many steps can be taken back. */
+  undoable: number;
+  /** Effective sample size of the particles as they stand. */
+  effective: number;
+  /** How far the wheels have driven since the last prediction, in the robot frame. */
+  ahead: PoseMessage;
+}
+
+/** The last step by hand, and what it did to the particles. */
+export interface HandStepMessage {
+  /** As in telemetry. */
+  number: number;
+  last: "predict" | "weigh" | "resample" | null;
+  /** xmin, ymin, xmax, ymax [m] of the area that x and y in the clouds span. */
+  extent: number[];
+  /**
+   * The particles before it, all of them, packed as ``ParticlesMessage.cloud``; empty before the
+   * first step.
+   */
+  before: string;
+  /** The particles as they stand. */
+  after: string;
+  /** Of a prediction: where odometry alone had moved each particle; else empty. */
+  noiseless: string;
+  /** Of a resampling: of which particle before it each is a copy, -1 of none; else empty. */
+  parents: number[];
+  /** Of a prediction: the step by odometry, in the robot frame. */
+  moved: PoseMessage | null;
+  /** Of a prediction: standard deviation of the noise that was drawn, ahead, aside and turned. */
+  noise: PoseMessage | null;
+  effective_before: number | null;
+  /** Effective sample size. */
+  effective: number;
+}
+
+/** How the scan fits in all directions at a place. */
+export interface HeadingsMessage {
+  stamp: number;
+  thetas: number[];
+  /** Log of the weight at each, against the best one's. */
+  logs: number[];
+  seconds: number;
 }
 
 /** Whether the program works. */
@@ -331,6 +416,31 @@ export interface JoinStrokesCommand {
   other: number;
   /** Of that drawing. */
   version: number;
+}
+
+/** How the scan fits all over the field, at one heading. */
+export interface LandscapeMessage {
+  stamp: number;
+  model: string;
+  x: number;
+  /** Middle of the first cell [m]. */
+  y: number;
+  /** Side of a cell [m]. */
+  step: number;
+  columns: number;
+  rows: number;
+  theta: number;
+  /**
+   * Log of the weight at 0 in ``cells``, against the best cell's, which is 255; all below it is 0,
+   * too.
+   */
+  lowest: number;
+  /** base64 of one byte a cell, row by row from the lowest y. */
+  cells: string;
+  /** The best cell. */
+  best: PoseMessage;
+  /** How long it took. */
+  seconds: number;
 }
 
 /** The texts of one language. */
@@ -592,6 +702,49 @@ export interface PlaceCommand {
   x: number;
   y: number;
   theta: number;
+}
+
+/** How the scan fits a pose. */
+export interface PoseFitMessage {
+  x: number;
+  y: number;
+  theta: number;
+  /** Of the whole scan, up to a constant. */
+  log_likelihood: number;
+  /**
+   * By how much a weight there is multiplied, against the estimate; with all of the scan's worth,
+   * which counts less where hardly a particle would be left.
+   */
+  weight: number;
+  /** Range that each ray should have there [m]; null where it meets no tape. */
+  expected: (number | null)[];
+  /** Of each ray in the log-likelihood; null if it does not count. Null if that takes too long. */
+  shares: (number | null)[] | null;
+  /** What is left of the log-likelihood besides the rays' shares: of a model of one's own. */
+  rest: number;
+}
+
+/** How the scan by which particles are weighed now fits a pose, and the estimate. */
+export interface PoseFitsMessage {
+  /** Exposure of the scan's picture [s]. */
+  stamp: number;
+  /** The sensor model. */
+  model: string;
+  /** Share of the log-likelihood that counts in a weight. */
+  power: number;
+  /** How much less ranges are believed, as the particles lie apart [m]. */
+  extra_sd: number;
+  bearings: number[];
+  /** Measured [m]; null is no return. */
+  ranges: (number | null)[];
+  /** Where the rays start, in the robot frame. */
+  robot_from_scan: PoseMessage;
+  /** The pose that was asked for, or the particle nearest to the place. */
+  asked: PoseFitMessage;
+  /** That particle's weight, as a multiple of the mean; null if a pose was asked for. */
+  particle: number | null;
+  /** The estimate; null while there is none. */
+  best: PoseFitMessage | null;
 }
 
 /** A pose in the map [m, m, rad]. */

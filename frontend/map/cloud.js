@@ -15,7 +15,7 @@ const MOST_HEADINGS = 120;
 
 /**
  * Unpack the particles; ParticlesMessage describes the layout.
- * @param {ParticlesMessage} message
+ * @param {Pick<ParticlesMessage, "cloud" | "extent">} message
  * @returns {Cloud}
  */
 export function decodeCloud({ cloud, extent: [xmin, ymin, xmax, ymax] }) {

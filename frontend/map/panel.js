@@ -30,6 +30,7 @@ const HINTS = {
   look: "",
   set_pose: t("Press where the robot is, drag in the direction it faces."),
   place: t("Press where to put the robot, drag in the direction it faces."),
+  ask: t("Press a particle: it says how the scan fits it."),
   measure: t("Drag from one point to another, or press at both."),
 };
 
@@ -119,6 +120,7 @@ export class MapPanel {
   show(telemetry) {
     this.scene.telemetry = telemetry;
     this.scene.paths.add(telemetry);
+    this.scene.particles?.follow(telemetry);
     if (!this.#moved && this.#wanted.join() !== this.#area) this.#fit();
     this.refresh();
   }
@@ -175,7 +177,7 @@ export class MapPanel {
 
   /** Escape lays a tool down. @param {KeyboardEvent} event */
   #disarm(event) {
-    if (event.key !== "Escape" || (!this.measure.line && !this.measure.armed && !this.tool.wants())) return;
+    if (event.key !== "Escape" || (this.tool.tool !== "ask" && !this.measure.line && !this.measure.armed && !this.tool.wants())) return;
     this.measure.clear();
     this.#choose("look");
     event.preventDefault();
@@ -194,12 +196,21 @@ export class MapPanel {
     this.tool.tool = tool;
     this.tool.cancel();
     this.measure.arm(tool === "measure");
+    if (tool === "ask") this.particles().then((panel) => panel.arm(this.tool.tool === tool));
+    else this.scene.particles?.arm(false);
     for (const button of this.#tools) {
       button.setAttribute("aria-pressed", String(button.dataset.tool === tool));
     }
     this.surface.canvas.dataset.tool = tool;
     setText(this.#hint, HINTS[tool]);
     this.refresh();
+  }
+
+  /** What particles say, beside the map; it is loaded when it is first used. */
+  async particles() {
+    const { ParticlesPanel } = await import("../particles/panel.js");
+    const closed = () => this.tool.tool === "ask" && this.#choose("look");
+    return this.scene.particles ?? new ParticlesPanel(this.scene, this.#view, this.gestures, this.telling.order, this.refresh, closed);
   }
 
   /** @param {Tool} tool @param {PoseMessage} pose */

@@ -35,6 +35,8 @@ export class Scene {
   ends = null;
   /** What is measured. @type {import("./measure.js").MeasureTool | null} */
   measure = null;
+  /** Draws what particles say. @type {import("../particles/panel.js").ParticlesPanel | null} */
+  particles = null;
   /** @type {Floor | null} */
   #floor = null;
   /** @type {[number, number][]} */
@@ -67,6 +69,7 @@ export class Scene {
     context.globalAlpha = 1;
     if (this.drawing) this.#paintMapping(context, this.drawing, pixel);
     else if (this.telemetry) this.#paintBelief(context, this.telemetry, pixel);
+    if (!this.drawing) this.particles?.paint(context, this.#outline);
     if (draft) this.#paintDraft(context, draft, pixel);
     if (this.measure?.line) drawing.drawMeasure(context, this.view, ...this.measure.line);
     drawing.drawScaleBar(context, this.view);
@@ -96,11 +99,12 @@ export class Scene {
    * @param {number} pixel [m]
    */
   #paintBelief(context, telemetry, pixel) {
+    this.particles?.paintLandscape(context);
     this.#inMetres(context, () => {
       drawing.drawScan(context, telemetry.scan, pixel);
       this.paths.draw(context, pixel);
     });
-    drawCloud(context, this.view, decodeCloud(telemetry.particles));
+    if (!this.particles?.step) drawCloud(context, this.view, decodeCloud(telemetry.particles));
     const found = places(telemetry);
     const count = telemetry.particles.alike;
     this.#inMetres(context, () => {
@@ -108,6 +112,7 @@ export class Scene {
       if (found.length === 0) this.#paintEllipse(context, telemetry, pixel, count);
       this.#paintRobots(context, telemetry, pixel, count);
     });
+    this.particles?.paintStep(context);
     drawHypotheses(context, this.view, found, count === 1);
   }
 

@@ -1,6 +1,6 @@
 // @ts-check
 /** @typedef {import("../messages").PoseMessage} PoseMessage */
-/** @typedef {"look" | "set_pose" | "place" | "measure"} Tool */
+/** @typedef {"look" | "set_pose" | "place" | "measure" | "ask"} Tool */
 
 /** A drag shorter than this [CSS px] sets no heading. */
 const SHORTEST = 8;

@@ -23,6 +23,11 @@ export class PhoneTabs {
     };
   }
 
+  /** Show a panel's tab. @param {string} name */
+  show(name) {
+    this.#tabs.select(name);
+  }
+
   /** Give panels the role of tab panels only while there are tabs. */
   #name() {
     for (const tab of this.#list.querySelectorAll("button")) {
