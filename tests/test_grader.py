@@ -12,11 +12,11 @@ from course.solutions import ARRAYS, BASES
 from grader_trials import mutants
 
 from app.command_line import main
-from app.course.check_command import read_source
 from app.course.grader.causes.causes import CAUSES
 from app.course.grading import grade, grade_often
 from app.course.lesson import lesson_of, lessons
 from app.course.reports import as_gradescope, as_json, as_junit
+from app.course.source import read_source
 from app.languages.catalogue import catalogue
 from robot.settings import SettingError
 

@@ -7,26 +7,34 @@ import json
 import sys
 from pathlib import Path
 
+from app.course.class_command import Graded, as_csv, as_table, grade_class, submissions
 from app.course.grading import SEED, grade
 from app.course.lesson import lesson_of, lessons
 from app.course.reports import as_gradescope, as_json, as_junit, for_people
+from app.course.source import read_source
 from app.files import atomic_file
+from app.lab.workers import workers_from_options
 from app.languages.catalogue import Catalogue, catalogue, languages, spoken
 from robot.settings import SettingError
 
-LONGEST = 200_000
-"""Longer files are refused [bytes]: no lesson needs a tenth of it."""
+CLASS_ONLY = ("csv", "workers", "cluster")
 
 
 def check(parsed: argparse.Namespace) -> int:
-    """Grade a file; return 0 if all that was begun passed, 1 if not."""
+    """Grade a file, or those of a class; return 0 if all that was begun passed, 1 if not."""
     language = _language(getattr(parsed, "language", None))
     folder = getattr(parsed, "lessons", None)
     number = getattr(parsed, "lesson", None)
     chosen = lessons(folder) if number is None else [lesson_of(number, folder)]
-    source = read_source(parsed.file)
     seed = getattr(parsed, "seed", SEED)
-    results = [grade(source, parsed.file.name, lesson, seed) for lesson in chosen]
+    if len(parsed.files) > 1 or parsed.files[0].is_dir():
+        return _check_class(parsed, [item.number for item in chosen], seed, language)
+    for name in CLASS_ONLY:
+        if name in parsed:
+            raise SettingError(f"--{name} is for several files, or a folder")
+    [file] = parsed.files
+    source = read_source(file)
+    results = [grade(source, file.name, lesson, seed) for lesson in chosen]
     summary = as_json(results, language)
     if "json" in parsed:
         sys.stdout.write(json.dumps(summary, indent=2, ensure_ascii=False) + "\n")
@@ -39,20 +47,30 @@ def check(parsed: argparse.Namespace) -> int:
     return 0 if summary["passed"] else 1
 
 
-def read_source(path: Path) -> str:
-    """Return a student's file.
-
-    Raises:
-        SettingError: it cannot be read as text.
-    """
+def _check_class(
+    parsed: argparse.Namespace, numbers: list[int], seed: int, language: Catalogue
+) -> int:
+    for name in ("junit", "gradescope"):
+        if name in parsed:
+            raise SettingError(f"--{name} is for one file; --csv and --json are for several")
+    workers = workers_from_options(vars(parsed))
     try:
-        content = path.read_bytes()
-    except OSError as error:
-        raise SettingError(f"{path} cannot be read: {error.strerror}") from error
-    if len(content) > LONGEST:
-        raise SettingError(f"{path} has {len(content)} bytes; valid are up to {LONGEST}")
-    # What is no UTF-8 becomes a sign that Python refuses, with its line.
-    return content.decode("utf-8", errors="replace")
+        folder = getattr(parsed, "lessons", None)
+        graded = grade_class(submissions(parsed.files), numbers, folder, seed, workers)
+    finally:
+        workers.close()
+    if "json" in parsed:
+        found = {item.name: as_json(item.results, language) | _told(item) for item in graded}
+        sys.stdout.write(json.dumps(found, indent=2, ensure_ascii=False) + "\n")
+    else:
+        sys.stdout.write(as_table(graded, numbers, language))
+    if "csv" in parsed:
+        _write(parsed.csv, as_csv(graded, numbers))
+    return 0 if all(item.passed for item in graded) else 1
+
+
+def _told(item: Graded) -> dict[str, str]:
+    return {"problem": item.problem} if item.problem else {}
 
 
 def _language(code: str | None) -> Catalogue:

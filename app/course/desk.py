@@ -12,10 +12,10 @@ import anyio
 from anyio import to_thread
 from fastapi import WebSocket, WebSocketDisconnect
 
-from app.course.check_command import read_source
 from app.course.grader.finding import Result
 from app.course.grading import grade
 from app.course.lesson import lesson_of
+from app.course.source import read_source
 from app.engine.own_models.watch import signature
 from app.languages.catalogue import Catalogue
 from app.page.language import language_of

@@ -197,5 +197,10 @@ def _written(source: str, checks: Checks) -> bool:
 
 
 def _is_stub(body: list[ast.stmt]) -> bool:
-    left = [item for item in body if not (isinstance(item, ast.Expr | ast.Pass))]
+    left = [item for item in body if not isinstance(item, ast.Pass) and not _is_text(item)]
     return all(isinstance(item, ast.Raise) and "NotImplemented" in ast.dump(item) for item in left)
+
+
+def _is_text(item: ast.stmt) -> bool:
+    """Return whether a statement is a docstring, or three dots."""
+    return isinstance(item, ast.Expr) and isinstance(item.value, ast.Constant)

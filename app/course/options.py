@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from app.lab.evaluate_options import add_workers
 from app.options import Commands
 
 
@@ -16,13 +17,23 @@ def add_check(commands: Commands) -> None:
         description="Run the checks of the lessons on a file, in a process that can harm nothing. "
         "It ends with 0 if all that was begun passed.",
     )
-    command.add_argument("file", type=Path, metavar="FILE.py", help="the student's file")
+    command.add_argument(
+        "files",
+        type=Path,
+        nargs="+",
+        metavar="FILE.py",
+        help="the student's file; several, or a folder, are those of a class",
+    )
     command.add_argument("--lesson", type=int, metavar="N", help="only this one (default: all)")
     command.add_argument("--json", action="store_true", help="findings as JSON, to the terminal")
     command.add_argument("--junit", type=Path, metavar="FILE.xml", help="write JUnit's XML too")
     command.add_argument(
         "--gradescope", type=Path, metavar="FILE.json", help="write Gradescope's results.json too"
     )
+    command.add_argument(
+        "--csv", type=Path, metavar="FILE.csv", help="of a class, write a row a file too"
+    )
+    add_workers(command)
     command.add_argument("--seed", type=int, metavar="N", help="seed of the cases, for a teacher")
     add_lessons(command)
     command.set_defaults(command=_check)

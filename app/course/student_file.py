@@ -10,7 +10,7 @@ from typing import Annotated
 from fastapi import APIRouter, HTTPException, Request
 from pydantic import Field
 
-from app.course.check_command import LONGEST, read_source
+from app.course.source import LONGEST, read_source
 from app.files import atomic_file
 from app.languages.marking import phrase
 from app.messages.answers import refusal

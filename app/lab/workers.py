@@ -10,7 +10,7 @@ import os
 import re
 import socket
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from concurrent.futures.process import BrokenProcessPool
 from typing import Any, Protocol, TypeVar
@@ -204,6 +204,17 @@ def workers(count: int | None, cluster: str | None) -> Workers:
         WorkerError: the cluster cannot be used.
     """
     return LocalWorkers(count) if cluster is None else ClusterWorkers(cluster)
+
+
+def workers_from_options(given: Mapping[str, Any]) -> Workers:
+    """Return the workers that the options ask for.
+
+    Raises:
+        SettingError: the options name both local workers and a cluster.
+    """
+    if "workers" in given and "cluster" in given:
+        raise SettingError("--workers is for this machine; a cluster has as many as it has")
+    return workers(given.get("workers"), given.get("cluster"))
 
 
 def _cores() -> int:

@@ -14,13 +14,12 @@ from app.lab.evaluation.results import condition_table, trajectory
 from app.lab.evaluation.runs import SHOWN, Run
 from app.lab.report_page import millimetres, seconds
 from app.lab.trajectories.reading import write_tum
-from app.lab.workers import Workers, workers
+from app.lab.workers import Workers, workers_from_options
 from app.options import config_of
 from app.settings.config import MAPS
 from app.settings.provenance import changed_settings, versions
 from robot.errors import PackageError
 from robot.fields.field_loading import load_field
-from robot.settings import SettingError
 from sim.bullet import load_pybullet
 
 WITHOUT, WITH = "known", "offset"
@@ -171,17 +170,6 @@ def worlds_from_options(given: Given) -> tuple[str, ...]:
         say(f"In the kinematic world, with perfect wheels: {error}")
         return ("kinematic",)
     return ("sim", "as-real")
-
-
-def workers_from_options(given: Given) -> Workers:
-    """Return the workers that the options ask for.
-
-    Raises:
-        SettingError: the options name both local workers and a cluster.
-    """
-    if "workers" in given and "cluster" in given:
-        raise SettingError("--workers is for this machine; a cluster has as many as it has")
-    return workers(given.get("workers"), given.get("cluster"))
 
 
 def _experiment(given: Given, folder: Path) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from typing import Any
 
 from app.console import say
 from app.files import RESULTS, atomic_folder, write_json
-from app.lab.evaluation.command import Given, workers_from_options, worlds_from_options
+from app.lab.evaluation.command import Given, worlds_from_options
 from app.lab.evaluation.experiment import Experiment, run
 from app.lab.evaluation.recorded import clock_of
 from app.lab.evaluation.results import condition_table
@@ -21,7 +21,7 @@ from app.lab.report_page import millimetres
 from app.lab.trajectories.clock_offset import require_same_run
 from app.lab.trajectories.reading import read_trajectory
 from app.lab.trajectories.trajectory import TrajectoryError
-from app.lab.workers import Workers
+from app.lab.workers import Workers, workers_from_options
 from app.options import config_of
 from app.settings.config import Config, with_settings
 from app.settings.provenance import changed_settings, versions

@@ -12,7 +12,6 @@ from tqdm import tqdm
 
 from app.console import say
 from app.files import atomic_file, make_folder
-from app.lab.evaluation.command import workers_from_options
 from app.lab.sweep.points import (
     MEASURES,
     Measured,
@@ -28,7 +27,7 @@ from app.lab.sweep.points import (
 )
 from app.lab.sweep.report import FORMATS, plot_setting, require_format, write_table
 from app.lab.sweep.sweep_file import SweepFile, load_sweep
-from app.lab.workers import Workers
+from app.lab.workers import Workers, workers_from_options
 from app.options import config_of
 from app.settings.config import Config
 from robot.errors import BrickPoseError

@@ -9,7 +9,6 @@ from typing import Any
 
 from app.console import say
 from app.files import RESULTS, atomic_folder, write_json
-from app.lab.evaluation.command import workers_from_options
 from app.lab.evaluation.drives import EvaluationError
 from app.lab.evaluation.integrity.experiment import (
     Failure,
@@ -20,7 +19,7 @@ from app.lab.evaluation.integrity.experiment import (
 )
 from app.lab.evaluation.integrity.integrity_report import IntegrityResults, report
 from app.lab.evaluation.integrity.summary import Row, Stanford, summary_of
-from app.lab.workers import Workers
+from app.lab.workers import Workers, workers_from_options
 from app.settings.config import Config, load_config
 from app.settings.provenance import changed_settings, versions
 from robot.errors import PackageError
