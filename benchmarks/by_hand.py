@@ -28,7 +28,7 @@ def main() -> int:
         _send(live, type="set_parameters", values={"filter": "particles"})
         _send(live, type="scatter")
         _send(live, type="filter_by_hand", on=True)
-        until(live, lambda now: now["filter"]["hand"] is not None)
+        until(live, lambda news: news["filter"]["hand"] is not None)
         for name, commands in _rounds().items():
             _print(name, [_step(live, command) for command in commands])
         for model in MODELS:
@@ -51,7 +51,7 @@ def _step(live: Connection, command: dict[str, str]) -> float:
     before = until(live, lambda _: True)["filter"]["hand"]["number"]
     began = time.perf_counter()
     live.send(json.dumps(command))
-    until(live, lambda now: now["filter"]["hand"]["number"] > before)
+    until(live, lambda news: news["filter"]["hand"]["number"] > before)
     return time.perf_counter() - began
 
 

@@ -37,7 +37,7 @@ def localization_of(program, kind, own=None):
         parameters,
         np.random.default_rng(3),
         own,
-        program.engine.localization._entries,
+        program.engine.localization.entries,
     )
 
 
@@ -89,14 +89,14 @@ def test_a_search_for_places_can_be_kept_in_the_middle_of_it(drive):
     straight.scatter()
     keeper = keeper_of(program, straight)
     seen = 0
-    while straight._localizer.filter._search is None or seen % 2 == 0:
+    while straight.localizer.filter._search is None or seen % 2 == 0:
         answers(straight, frames[seen : seen + 1])
         seen += 1
     answers(straight, frames[seen : seen + 3])
-    assert straight._localizer.filter._search is not None, "the search should still be at work"
+    assert straight.localizer.filter._search is not None, "the search should still be at work"
     checkpoint = keeper.keep(straight)
     expected = answers(straight, frames[seen + 3 :])
-    assert straight._localizer.filter.hypotheses, "nothing was found: the test tells nothing"
+    assert straight.localizer.filter.hypotheses, "nothing was found: the test tells nothing"
     assert_same(answers(checkpoint.restore(), frames[seen + 3 :]), expected)
 
 
@@ -107,9 +107,9 @@ def test_what_never_changes_is_not_copied(drive):
     assert restored is not straight
     assert restored._field is program.field
     assert restored.scanner is straight.scanner
-    assert restored._entries is straight._entries
+    assert restored.entries is straight.entries
     assert restored.own is straight.own
-    mine, other = straight._localizer.filter, restored._localizer.filter
+    mine, other = straight.localizer.filter, restored.localizer.filter
     assert mine.setup.matcher is other.setup.matcher
     assert mine.setup.sensor is other.setup.sensor
 
@@ -119,9 +119,9 @@ def test_generators_that_were_one_are_one_again(drive):
     straight = localization_of(program, "hypotheses")
     restored = keeper_of(program, straight).keep(straight).restore()
     assert restored._rng is not straight._rng
-    assert restored._rng is restored._localizer.filter._rng
-    assert restored._rng is restored._localizer.filter._new_filter.rng
-    assert restored._rng is restored._localizer.filter._tracks[0].filter._rng
+    assert restored._rng is restored.localizer.filter._rng
+    assert restored._rng is restored.localizer.filter._new_filter.rng
+    assert restored._rng is restored.localizer.filter._tracks[0].filter._rng
 
 
 def test_large_arrays_that_are_the_same_are_kept_once():

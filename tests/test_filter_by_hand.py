@@ -168,7 +168,7 @@ def give(program: Program, *commands) -> Snapshot:
 
 def belief(program: Program) -> tuple:
     localization = program.engine.localization
-    f = localization._localizer.filter
+    f = localization.localizer.filter
     return (
         f.particles.poses.tobytes(),
         f.particles.weights.tobytes(),

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
+from collections.abc import Iterator
+
 from app.engine.controls import Controls
 from app.engine.program import Program
 from app.languages.marking import phrase
@@ -20,26 +23,28 @@ def filter_by_hand(
     command: FilterByHandCommand, controls: Controls, _odometry: OdometryState
 ) -> None:
     """Switch the filter by hand on or off."""
-    try:
-        controls.localization.set_by_hand(enabled=command.on)
-    except StepError as error:
-        _refuse(error, controls)
+    localization = controls.localization
+    with _refusals(controls):
+        localization.by_hand.switch(localization.localizer if command.on else None)
 
 
 def filter_step(command: FilterStepCommand, controls: Controls, _odometry: OdometryState) -> None:
     """Take a step, if this is the time for it."""
-    try:
-        controls.localization.step_by_hand(command.step)
-    except StepError as error:
-        _refuse(error, controls)
+    localization = controls.localization
+    with _refusals(controls):
+        belief = localization.by_hand.step(
+            command.step, localization.newest, localization.parts, localization.unchanging
+        )
+        if command.step == "weigh":
+            localization.own.note_update()
+            localization.belief = belief or localization.belief
 
 
 def filter_undo(_command: FilterUndoCommand, controls: Controls, _odometry: OdometryState) -> None:
     """Take back a step, if there is one."""
-    try:
-        controls.localization.undo_by_hand()
-    except StepError as error:
-        _refuse(error, controls)
+    localization = controls.localization
+    with _refusals(controls):
+        localization.put_back(localization.by_hand.undo())
 
 
 def check_particles_filter(_command: HandCommand, program: Program) -> None:
@@ -53,5 +58,11 @@ def check_particles_filter(_command: HandCommand, program: Program) -> None:
         raise CommandError(f"the filter {kind} has no steps by hand; choose particles")
 
 
-def _refuse(error: StepError, controls: Controls) -> None:
-    controls.problems.note(controls.stamp, phrase(f"A step by hand was not taken: {error}."))
+@contextlib.contextmanager
+def _refusals(controls: Controls) -> Iterator[None]:
+    """Note a step that cannot be taken now."""
+    try:
+        yield
+    except StepError as error:
+        words = phrase(f"A step by hand was not taken: {error}.")
+        controls.problems.note(controls.stamp, words)

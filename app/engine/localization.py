@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from app.engine.earlier_beliefs import EarlierBeliefs
+from app.engine.filter_models import FilterModels
 from app.engine.follower import Follower
 from app.engine.own_models.own_models import OwnChoice, OwnModels
 from app.engine.steps_by_hand import HandState, StepsByHand
@@ -20,11 +21,8 @@ from robot.geometry import Array, Pose2
 from robot.interface import Frame
 from robot.localization.estimate import Alert, Belief, Estimate, Hypothesis, Integrity
 from robot.localization.filter import Cloud, Setup
-from robot.localization.filter_by_hand import Step
 from robot.localization.localizer import Localizer, make_filter, transfer_belief
 from robot.localization.models.entry_field import EntryField
-from robot.localization.models.motion_models import MotionModel
-from robot.localization.models.sensor_models import SensorModel, sensor_model
 from robot.localization.monitoring.claims import propagate_claim
 from robot.localization.monitoring.monitor import Monitor
 from robot.localization.monitoring.mounting_check import Mounting
@@ -80,17 +78,17 @@ class Localization(Follower):
         self._start = start
         self._field = field
         self._rng = rng
-        self._entries = entries
         self._once = False
         self.earlier = EarlierBeliefs()
         self.by_hand = StepsByHand()
-        self._newest: tuple[Scan, Pose2] | None = None
-        """The newest scan, and odometry at its stamp."""
+        self.newest: tuple[Scan, Pose2] | None = None
+        """The newest scan, and odometry at its stamp; None before the first."""
         self.remarks: tuple[Alert, ...] = ()
         """Reasons for doubt besides those that the monitor finds."""
+        self._models = FilterModels(field, self.own, entries)
         setup = self._setup()
         self._monitor = Monitor(setup.evidence, Mounting.of(scanner.view), SteadyErrors.of(spec))
-        self._localizer = Localizer(
+        self.localizer = Localizer(
             make_filter(setup, rng),
             parameters.filter,
             Refinement.of(setup),
@@ -103,35 +101,34 @@ class Localization(Follower):
     @property
     def entries(self) -> EntryField:
         """The table of distances that the models use."""
-        assert self._entries is not None
-        return self._entries
+        return self._models.entries
 
     @property
     def cloud(self) -> Cloud:
         """The particles with their newest weights; by hand, as they stand."""
-        return self.by_hand.particles or self._localizer.filter.cloud
+        return self.by_hand.particles or self.localizer.filter.cloud
 
     @property
     def hand(self) -> HandState | None:
         """How far the filter is by hand; None while it works by itself."""
-        return self.by_hand.state(self._newest and self._newest[1])
+        return self.by_hand.state(self.newest and self.newest[1])
 
     @property
     def weighing(self) -> Weighing | None:
         """The scan by which particles are weighed now, and how; None before the first."""
-        seen, newest = self._localizer.seen, self._newest
+        seen, newest = self.localizer.seen, self.newest
         if seen is None or newest is None:
             return None
         scan, odometry = self.by_hand.seen or (seen, newest[1])
-        extra = self._localizer.filter.extra_sd
+        extra = self.localizer.filter.extra_sd
         best = None if self.belief is None else self.belief.pose(odometry)
         power = self.parameters.sensor.likelihood_weight
-        return Weighing(replace(scan, extra_sd=extra), self._model, power, best)
+        return Weighing(replace(scan, extra_sd=extra), self._models.sensor, power, best)
 
     @property
     def integrity(self) -> Integrity:
         """State, bounds and alerts of the newest estimate, at the stamp of its scan."""
-        return self._localizer.integrity
+        return self.localizer.integrity
 
     def integrity_at(self, odom_from_robot: Pose2) -> Integrity:
         """Return the integrity of the estimate carried forward: odometry adds its errors."""
@@ -142,7 +139,7 @@ class Localization(Follower):
     @property
     def updates(self) -> int:
         """Measurement updates since the filter last started again."""
-        return self._localizer.updates
+        return self.localizer.updates
 
     @property
     def fault(self) -> str | None:
@@ -170,7 +167,7 @@ class Localization(Follower):
 
     def note(self, odom_from_robot: Pose2) -> None:
         """Note the present odometry pose, before commands that may set the filter's pose."""
-        self._localizer.now = odom_from_robot
+        self.localizer.now = odom_from_robot
 
     def measure(self, seen: Frame | Scan, odometry: OdometryState) -> None:
         """Update the filter with a picture or a laser's scan, and the odometry at its stamp."""
@@ -181,20 +178,20 @@ class Localization(Follower):
 
     def take(self, scan: Scan, pose: Pose2) -> None:
         """Update the filter with a scan, and the odometry's pose at its stamp."""
-        self._newest = scan, pose
+        self.newest = scan, pose
         if self.by_hand.enabled:
             return
         if self.fault or (self.paused and not self._once):
-            self._localizer.seen = self._localizer.trusted(scan)
+            self.localizer.seen = self.localizer.trusted(scan)
             # If the cloud has not moved, keep the earlier estimate and its odometry.
-            if self._localizer.predict(pose) or self.belief is None:
-                self._believe(self._localizer.estimate(scan.stamp), pose)
+            if self.localizer.predict(pose) or self.belief is None:
+                self._believe(self.localizer.estimate(scan.stamp), pose)
             return
         self._once = False
-        before, began = self._localizer.updates, time.thread_time()
-        estimate = self._localizer.update(pose, scan)
+        before, began = self.localizer.updates, time.thread_time()
+        estimate = self.localizer.update(pose, scan)
         self.seconds = time.thread_time() - began
-        if self._localizer.updates > before:
+        if self.localizer.updates > before:
             self.own.note_update()
         self._believe(estimate, pose)
 
@@ -207,75 +204,49 @@ class Localization(Follower):
 
     def set_pose_with(self, pose: Pose2, covariance: Array) -> None:
         """Tell the filter where the robot is, with a covariance (3, 3) [m, m, rad]."""
-        self._localizer.set_pose(pose, covariance)
+        self.localizer.set_pose(pose, covariance)
         self._restarted()
 
     def set_cloud(self, cloud: Cloud) -> None:
         """Start the filter from weighted poses."""
-        self._localizer.set_cloud(cloud)
+        self.localizer.set_cloud(cloud)
         self._restarted()
 
     def scatter(self) -> None:
         """Start the filter scattered: the robot may be anywhere on the field."""
-        self._localizer.scatter()
+        self.localizer.scatter()
         self._restarted()
 
     def keep_belief(self) -> None:
         """Keep the belief before it is changed, for ``undo``."""
-        self.earlier.keep(self._parts, self._unchanging)
+        self.earlier.keep(self.parts, self.unchanging)
 
     def undo(self) -> None:
         """Restore the belief before its last change, which odometry has moved since."""
-        odom_from_robot = self._localizer.now
-        self._put_back(self.earlier.restore())
-        self._localizer.now = odom_from_robot
-        self.by_hand.restart(self._localizer)
-
-    def set_by_hand(self, *, enabled: bool) -> None:
-        """Let the filter wait for steps by hand, or work by itself.
-
-        Raises:
-            StepError: the filter is no particle filter.
-        """
-        self.by_hand.switch(self._localizer if enabled else None)
-
-    def step_by_hand(self, step: Step) -> None:
-        """Take a step of the filter by hand.
-
-        Raises:
-            StepError: this is not the time for it.
-        """
-        belief = self.by_hand.step(step, self._newest, self._parts, self._unchanging)
-        if step == "weigh":
-            self.own.note_update()
-            self.belief = belief or self.belief
-
-    def undo_by_hand(self) -> None:
-        """Take back the last step by hand.
-
-        Raises:
-            StepError: there is none.
-        """
-        self._put_back(self.by_hand.undo())
+        odom_from_robot = self.localizer.now
+        self.put_back(self.earlier.restore())
+        self.localizer.now = odom_from_robot
+        self.by_hand.restart(self.localizer)
 
     @property
-    def _parts(self) -> tuple[Any, ...]:
+    def parts(self) -> tuple[Any, ...]:
         """All that a belief consists of."""
-        return self._localizer, self._monitor, self.belief, self._rng
+        return self.localizer, self._monitor, self.belief, self._rng
 
     @property
-    def _unchanging(self) -> tuple[Any, ...]:
+    def unchanging(self) -> tuple[Any, ...]:
         """What copies of a belief share."""
         return self._field, self._field.edges, self.own, self.own.sensor, self.own.motion
 
-    def _put_back(self, parts: tuple[Any, ...]) -> None:
-        self._localizer, self._monitor, self.belief, self._rng = parts
+    def put_back(self, parts: tuple[Any, ...]) -> None:
+        """Go on from a belief that was kept."""
+        self.localizer, self._monitor, self.belief, self._rng = parts
         self.use(self.parameters)
 
     def update_once(self) -> None:
         """Update with the next picture, even if the filter is paused or the robot stands."""
         self._once = True
-        self._localizer.force_update()
+        self.localizer.force_update()
 
     def use_robot(self, spec: RobotSpec) -> None:
         """Follow a robot that was calibrated anew; the filter keeps its belief."""
@@ -283,11 +254,13 @@ class Localization(Follower):
         self.line_scan = None
         # What was found of the camera's and the wheels' errors was of the robot before.
         self._monitor = Monitor(
-            self._setup().evidence, Mounting.of(spec.floor_view), SteadyErrors.of(spec)
+            self._setup().evidence,
+            Mounting.of(spec.floor_view),
+            SteadyErrors.of(spec),
         )
-        self._localizer.monitor = self._monitor
+        self.localizer.monitor = self._monitor
         self.earlier.clear()
-        self.by_hand.restart(self._localizer)
+        self.by_hand.restart(self.localizer)
 
     def reset(self) -> None:
         """Restore the configured parameters and models, and start the filter again."""
@@ -305,21 +278,17 @@ class Localization(Follower):
         elif len(self._start) == 1:
             self.set_pose_with(self._start[0].pose, self._start[0].covariance)
         else:
-            self._localizer.set_hypotheses(self._start)
+            self.localizer.set_hypotheses(self._start)
             self._restarted()
 
     def _restarted(self) -> None:
         """Drop what was said of the belief that is no more."""
         self.belief = None
-        self.by_hand.restart(self._localizer)
+        self.by_hand.restart(self.localizer)
 
     def is_slow_to_use(self, parameters: LocalizationParameters) -> bool:
         """Return whether parameters need a new table of distances, which may take some seconds."""
-        wanted, made = parameters.sensor, self._entries
-        return made is None or (made.wanted_resolution, made.max_distance) != (
-            wanted.field_resolution,
-            wanted.laser_likelihood_max_dist,
-        )
+        return self._models.is_slow_to_use(parameters)
 
     def choose(self, choice: OwnChoice, parameters: LocalizationParameters) -> None:
         """Change the user's own models and the parameters; the filter keeps its belief."""
@@ -331,28 +300,28 @@ class Localization(Follower):
         """Load the user's own models again, and update the filter with the next picture."""
         self.own.load(self.parameters)
         self.use(self.parameters)
-        self._localizer.force_update()
+        self.localizer.force_update()
 
     def use(self, parameters: LocalizationParameters) -> None:
         """Change the parameters; the filter keeps its belief."""
         if parameters != self.parameters:
             self.own.rebuild(parameters)
-        other = parameters.filter.filter != self._localizer.parameters.filter
+        other = parameters.filter.filter != self.localizer.parameters.filter
         self.parameters = parameters
         setup = self._setup()
         if other:
             self.by_hand.switch(None)
-            self._localizer.filter = transfer_belief(
-                make_filter(setup, self._rng), self._localizer.filter
+            self.localizer.filter = transfer_belief(
+                make_filter(setup, self._rng), self.localizer.filter
             )
             # The new filter may know less than the old one, so drop the old estimate.
             self.belief = None
-            self._localizer.force_update()
+            self.localizer.force_update()
         else:
-            self._localizer.filter.use(setup)
-        self._localizer.parameters = parameters.filter
-        self._localizer.refinement = Refinement.of(setup)
-        self._localizer.reach = setup.reach
+            self.localizer.filter.use(setup)
+        self.localizer.parameters = parameters.filter
+        self.localizer.refinement = Refinement.of(setup)
+        self.localizer.reach = setup.reach
         self._monitor.use(setup.evidence)
 
     def _believe(self, estimate: Estimate | None, pose: Pose2) -> None:
@@ -360,22 +329,4 @@ class Localization(Follower):
             self.belief = Belief(estimate, pose)
 
     def _setup(self) -> Setup:
-        sensor = self._sensor()
-        assert self._entries is not None
-        self._model = sensor
-        return Setup.of(self._field, self._entries, self._motion(), sensor, self.parameters)
-
-    def _motion(self) -> MotionModel:
-        return self.own.motion or self.parameters.motion.model()
-
-    def _sensor(self) -> SensorModel:
-        wanted = self.parameters.sensor
-        if self._entries is None or self.is_slow_to_use(self.parameters):
-            self._entries = EntryField.build(
-                self._field,
-                resolution=wanted.field_resolution,
-                max_distance=wanted.laser_likelihood_max_dist,
-            )
-        if self.own.sensor is not None:
-            return self.own.sensor
-        return sensor_model(wanted, self._entries, self._field.edges)
+        return self._models.setup(self.parameters)

@@ -82,7 +82,8 @@ export class FilterPanel {
   /** @param {TelemetryMessage} telemetry */
   describe({ particles, filter }) {
     const words = contents(filter.kind, particles);
-    setText(this.#hint, filter.paused ? t("paused, {words}", { words }) : words);
+    const state = filter.hand ? t("by hand, {words}", { words }) : filter.paused ? t("paused, {words}", { words }) : words;
+    setText(this.#hint, state);
     this.#paused = filter.paused;
     setText(this.#pause, filter.paused ? t("resume") : t("pause"));
   }

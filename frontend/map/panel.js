@@ -51,6 +51,8 @@ export class MapPanel {
   #field = null;
   /** Whether the view was moved by hand; until then it shows the whole field. */
   #moved = false;
+  /** Whether the filter waits for steps by hand. */
+  #waits = false;
   /** The area that is shown until then. */
   #area = "";
 
@@ -121,6 +123,9 @@ export class MapPanel {
     this.scene.telemetry = telemetry;
     this.scene.paths.add(telemetry);
     this.scene.particles?.follow(telemetry);
+    // Whoever let the filter wait, here it shows: a lesson's button, or another page.
+    if (telemetry.filter.hand && !this.#waits) this.particles().then((panel) => panel.show(true));
+    this.#waits = Boolean(telemetry.filter.hand);
     if (!this.#moved && this.#wanted.join() !== this.#area) this.#fit();
     this.refresh();
   }

@@ -22,7 +22,7 @@ from robot.fields.field import Field
 from robot.geometry import Array, Pose2
 from robot.interface import Frame, Reading, RobotError
 from robot.localization.estimate import State
-from robot.localization.models.motion_models import MotionModel
+from robot.localization.filter import Setup
 from robot.scanning.line_scanner import LineScan, LineScanner
 
 
@@ -78,11 +78,12 @@ class PictureFollower(Localization):
         else:
             self.set_pose(start.pose, start.sd_xy, start.sd_theta)
 
-    def _motion(self) -> MotionModel:
-        wanted = self.parameters.motion
-        if self._guessing:
-            return GuessedStep(wanted.stationary_sd_xy, wanted.stationary_sd_theta)
-        return super()._motion()
+    def _setup(self) -> Setup:
+        setup, wanted = super()._setup(), self.parameters.motion
+        if not self._guessing:
+            return setup
+        guessed = GuessedStep(wanted.stationary_sd_xy, wanted.stationary_sd_theta)
+        return replace(setup, motion=guessed)
 
 
 class PictureRun:

@@ -1,0 +1,49 @@
+"""The models of a filter: the program's own by the parameters, or the user's."""
+
+from __future__ import annotations
+
+from app.engine.own_models.own_models import OwnModels
+from robot.fields.field import Field
+from robot.localization.filter import Setup
+from robot.localization.models.entry_field import EntryField
+from robot.localization.models.motion_models import MotionModel
+from robot.localization.models.sensor_models import SensorModel, sensor_model
+from robot.localization.parameters import LocalizationParameters
+
+
+class FilterModels:
+    """Makes the setup of a filter, and keeps the table of distances that models share."""
+
+    def __init__(self, field: Field, own: OwnModels, entries: EntryField | None = None) -> None:
+        self.sensor: SensorModel
+        """In use, since the first setup."""
+        self._field = field
+        self._own = own
+        self._entries = entries
+
+    @property
+    def entries(self) -> EntryField:
+        """The table of distances that the models use."""
+        assert self._entries is not None
+        return self._entries
+
+    def is_slow_to_use(self, parameters: LocalizationParameters) -> bool:
+        """Return whether parameters need a new table of distances, which may take some seconds."""
+        wanted, made = parameters.sensor, self._entries
+        return made is None or (made.wanted_resolution, made.max_distance) != (
+            wanted.field_resolution,
+            wanted.laser_likelihood_max_dist,
+        )
+
+    def setup(self, parameters: LocalizationParameters) -> Setup:
+        """Return field, models and parameters for a filter."""
+        wanted = parameters.sensor
+        if self.is_slow_to_use(parameters):
+            self._entries = EntryField.build(
+                self._field,
+                resolution=wanted.field_resolution,
+                max_distance=wanted.laser_likelihood_max_dist,
+            )
+        self.sensor = self._own.sensor or sensor_model(wanted, self.entries, self._field.edges)
+        motion: MotionModel = self._own.motion or parameters.motion.model()
+        return Setup.of(self._field, self.entries, motion, self.sensor, parameters)
