@@ -75,6 +75,7 @@ OPERATORS = {
 NAMES = {
     "cos": "sin", "sin": "cos", "max": "min", "min": "max", "argmax": "argmin",
     "radians": "degrees", "deg2rad": "rad2deg", "left": "right", "right": "left",
+    "rng": "np.random",
 }  # fmt: skip
 
 
