@@ -13,8 +13,12 @@ from robot.calibration.wheel_motion import WheelMotion
 from robot.geometry import Array
 from robot.mapping.strokes import Strokes
 
-NODE_SD = 0.03
-"""Standard deviation of a node before the adjustment [m]; few pictures may tell little of it."""
+NODE_SD = 1.0
+"""Standard deviation of a node before the adjustment [m]: next to nothing. A stroke lies where it
+was traced because the path was thought to be there, which says nothing of where it is."""
+BEND_SD = 0.03
+"""... and of how far a node lies off the middle of its neighbours, farther than it was traced [m]:
+few pictures may tell little of one node."""
 
 
 class MapAdjustment(Adjustment):
@@ -41,4 +45,6 @@ class MapAdjustment(Adjustment):
         whole = np.zeros((size, size))
         whole[:COUNT, :COUNT] = information
         whole[range(COUNT, size), range(COUNT, size)] = NODE_SD**-2
+        bends = self._strokes.bends
+        whole[COUNT:, COUNT:] += bends.T @ bends / BEND_SD**2
         return np.concatenate([robot, state.map]), whole

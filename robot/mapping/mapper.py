@@ -29,7 +29,7 @@ from robot.calibration.unknowns import (
 )
 from robot.calibration.wheel_motion import WheelMotion
 from robot.description.spec import RobotSpec
-from robot.geometry import Pose2
+from robot.geometry import Array, Pose2
 from robot.mapping.crossings import BareFloor, is_tape
 from robot.mapping.cutting import without_gaps
 from robot.mapping.ends import RaysOnFloor
@@ -39,7 +39,8 @@ from robot.mapping.redundant import without_redundant
 from robot.mapping.refinement import refined
 from robot.mapping.seen_floor import SeenFloor
 from robot.mapping.sketch import Sketch
-from robot.mapping.stroke_fitting import fit_stroke
+from robot.mapping.start_frame import moved_to_start
+from robot.mapping.stroke_fitting import FINE_SPACING, SPACING, fit_stroke
 from robot.mapping.strokes import Stroke, Strokes
 from robot.mapping.tape_map import MappingError, TapeMap
 from robot.mapping.tidying import joined, tidied
@@ -52,6 +53,8 @@ WINDOW, WINDOW_SHARE = 8, 0.015
 as each time all of the drive is."""
 START_SD = np.array([1e-4, 1e-4, 1e-4])
 """The map begins where the robot does [m, m, rad]."""
+LOOSE_SD = np.array([1e-3, 1e-3, 3e-3])
+"""... but is held there only so much while it is adjusted (``start_frame``) [m, m, rad]."""
 WHEELS_SD = np.array([0.02, 0.02, 0.03])
 """Standard deviations of radii and separation of a robot that is as described."""
 KNOWN_SD = 1e-3
@@ -81,7 +84,7 @@ class Stage(NamedTuple):
     """Most iterations."""
 
 
-GROWING = Stage(0.03, 2.0, 3)
+GROWING = Stage(0.03, 8.0, 3)
 """While the map grows, strokes are rough."""
 WHOLE = (Stage(0.03, 1.0, 15), Stage(0.02, 1.0, 15))
 """Of the whole drive, one after the other."""
@@ -146,13 +149,13 @@ class Mapper:
         self.catch_up(report)
         if self.mapped < total:
             self.grow(total)
-        self._trace(total)
+        self._trace(total, FINE_SPACING)
         if not self._strokes.traced:
             raise MappingError("the pictures show too little tape for a map")
         if self._calibrate:
             # The first pictures were laid out by a robot that was not known yet.
             self._adjust(total, WHOLE)
-            self._trace(total)
+            self._trace(total, FINE_SPACING)
         solution = self._refined(self._adjust(total, WHOLE))
         rays = RaysOnFloor.of(log, self._spec, self._state)
         own = without_redundant(self._strokes, solution.misses)
@@ -161,8 +164,9 @@ class Mapper:
         whole = joined(kept, rays)
         if whole is not kept or len(real) < len(self._strokes.traced):
             self._strokes = whole
-            solution = self._refined(self._adjust(total, WHOLE[-1:]))
-            rays = RaysOnFloor.of(log, self._spec, self._state)
+            self._refined(self._adjust(total, WHOLE[-1:]))
+        solution = self._adjust(total, WHOLE[-1:], START_SD)
+        rays = RaysOnFloor.of(log, self._spec, self._state)
         tidy = tidied(without_gaps(self._strokes, rays), rays)
         more = find_lengthwise(tidy.strokes, self._width, rays)
         if more.strokes:
@@ -224,8 +228,8 @@ class Mapper:
         self._trace(count)
         self._adjust(count, (GROWING,))
 
-    def _adjustment(self, count: int) -> MapAdjustment:
-        return MapAdjustment(*self._part(count), self._strokes, self._start, np.diag(START_SD**2))
+    def _adjustment(self, count: int, start_sd: Array = LOOSE_SD) -> MapAdjustment:
+        return MapAdjustment(*self._part(count), self._strokes, self._start, np.diag(start_sd**2))
 
     def _part(self, count: int) -> tuple[Sightings, WheelMotion]:
         return self._seen.part(0, count), WheelMotion.of(self._log.until(count), self._spec)
@@ -251,24 +255,24 @@ class Mapper:
             )
         return replace(state, poses=poses, slip=slip)
 
-    def _trace(self, count: int) -> None:
-        """Draw the strokes anew, from where the path lies by now."""
+    def _trace(self, count: int, spacing: float = SPACING) -> None:
+        """Draw the strokes anew, from where the path lies by now, with nodes at a distance [m]."""
         seen, motion = self._part(count)
         state = self._state
         floor = seen.floor_points(state.values, motion.twists(state.values, state.slip))
         middles = Middles.of(floor.points, state.poses, self._width)
-        self._strokes = Strokes.of(_traced(middles, 2 if count <= 2 * WINDOW else 3), self._width)
+        traced = _traced(middles, 2 if count <= 2 * WINDOW else 3, spacing)
+        self._strokes = Strokes.of(traced, self._width)
 
-    def _adjust(self, count: int, stages: Sequence[Stage]) -> Solution:
-        strokes, state = self._strokes, replace(self._state, map=self._strokes.offsets)
-        adjustment = self._adjustment(count)
+    def _adjust(self, count: int, stages: Sequence[Stage], start_sd: Array = LOOSE_SD) -> Solution:
         for stage in stages:
+            state = replace(self._state, map=self._strokes.offsets)
             weights = Weights(sd=self._sd, gate=stage.gate, doubt=stage.doubt)
-            solution = adjustment.solve(state, weights, stage.most)
-            state = solution.state
-        self._state, self._covariance = state, solution.pose_covariance
+            solution = self._adjustment(count, start_sd).solve(state, weights, stage.most)
+            moved = self._strokes.moved_by(solution.state.map)
+            solution, self._strokes = moved_to_start(solution, moved, self._start)
+            self._state, self._covariance = solution.state, solution.pose_covariance
         self._solution = solution
-        self._strokes = strokes.moved_by(state.map)
         return solution
 
 
@@ -279,9 +283,9 @@ def _check(log: DriveLog) -> None:
         raise MappingError("the robot stood still; it has to drive")
 
 
-def _traced(middles: Middles, least_pictures: int) -> tuple[Stroke, ...]:
+def _traced(middles: Middles, least_pictures: int, spacing: float) -> tuple[Stroke, ...]:
     lines = trace(Cells.of(middles, least_pictures))
-    fitted = [fit_stroke(line, bool(np.array_equal(line[0], line[-1]))) for line in lines]
+    fitted = [fit_stroke(line, bool(np.array_equal(line[0], line[-1])), spacing) for line in lines]
     return tuple(stroke for stroke in fitted if stroke is not None)
 
 

@@ -16,7 +16,7 @@ PARTS = 4
 """Each span between two nodes is looked at in so many parts."""
 ENOUGH = 12
 """A part tells if at least so many edges were seen in it, from so many pictures, over three."""
-STEADY = 0.00025
+STEADY = 0.00012
 """Mean distance from which on the edges lie beside a stroke [m]; on a straight one, twice it."""
 
 

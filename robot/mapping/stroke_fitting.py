@@ -14,15 +14,21 @@ HOOK = 0.04
 """At so much of its ends a line may bend off: corners of tape look round [m]."""
 SHORTEST = 0.05
 """A shorter line is no stroke [m]."""
-SPACING, DENSEST = 0.08, 0.04
-"""Distance of the nodes of a spline, and the least one [m]. Where tape bends more sharply than a
-spline with fewer nodes can, the path would be bent to fit it."""
+SPACING, FINE_SPACING, DENSEST = 0.08, 0.05, 0.024
+"""Distance of the nodes of a spline while the map grows, at the end, and the least one [m]. Where
+tape bends more sharply than a spline with fewer nodes can, the path would be bent to fit it."""
 
 
-def fit_stroke(line: Array, closed: bool = False) -> Stroke | None:
-    """Return the stroke through points (n, 2) [m] in order; None if they are too short for one."""
+def fit_stroke(line: Array, closed: bool = False, spacing: float = SPACING) -> Stroke | None:
+    """Return the stroke through points (n, 2) [m] in order; None if they are too short for one.
+
+    Args:
+        line: the points [m].
+        closed: whether the last one is the first.
+        spacing: distance of the nodes, if it is not straight [m].
+    """
     if closed:
-        return Stroke(_closed_nodes(line), curved=True, closed=True)
+        return Stroke(_closed_nodes(line, spacing), curved=True, closed=True)
     line = without_hooks(line)
     if len(line) < 3:
         return None
@@ -33,7 +39,7 @@ def fit_stroke(line: Array, closed: bool = False) -> Stroke | None:
     if np.abs(aside).max() <= STRAIGHT:
         ends = np.array([forward.min(), forward.max()])
         return Stroke(start + ends[:, None] * along)
-    return Stroke(_nodes(line), curved=True)
+    return Stroke(_nodes(line, spacing), curved=True)
 
 
 def straight_fit(line: Array) -> tuple[Array, Array, Array]:
@@ -68,18 +74,18 @@ def _walked(line: Array) -> Array:
     return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
 
 
-def _nodes(line: Array) -> Array:
+def _nodes(line: Array, spacing: float) -> Array:
     """Return the nodes (n, 2) of an open spline."""
     walked = _walked(line)
-    knots = np.linspace(0.0, walked[-1], max(3, 1 + round(walked[-1] / SPACING)))
+    knots = np.linspace(0.0, walked[-1], max(3, 1 + round(walked[-1] / spacing)))
     shares = CubicSpline(knots, np.eye(len(knots)), bc_type="not-a-knot")(walked)
     return np.asarray(np.linalg.lstsq(shares, line, rcond=None)[0], np.float64)
 
 
-def _closed_nodes(line: Array) -> Array:
+def _closed_nodes(line: Array, spacing: float) -> Array:
     """Return the nodes (n, 2) of a closed spline through points of which the last is the first."""
     walked = _walked(line)
-    count = max(6, round(walked[-1] / SPACING))
+    count = max(6, round(walked[-1] / spacing))
     knots = np.linspace(0.0, walked[-1], count + 1)
     shape = np.vstack([np.eye(count), np.eye(count)[:1]])
     shares = CubicSpline(knots, shape, bc_type="periodic")(walked)

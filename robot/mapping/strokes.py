@@ -225,6 +225,20 @@ class Strokes:
             for stroke, end in zip(self.traced, ends, strict=True)
         )
 
+    @property
+    def bends(self) -> Array:
+        """(b, n) shares of the nodes' offsets in how much further strokes bend at inner nodes."""
+        first, rows = 0, [np.zeros((0, len(self.offsets)))]
+        for stroke in self.traced:
+            count = len(stroke.nodes)
+            own = np.zeros((max(0, count - 2), len(self.offsets)))
+            inner = np.arange(len(own))
+            for shift, share in enumerate((-0.5, 1.0, -0.5)):
+                own[inner, first + inner + shift] = share
+            rows.append(own)
+            first += count
+        return np.vstack(rows)
+
     def moved_by(self, offsets: Array) -> Strokes:
         """Return the same strokes, moved (n,) to the left of where they were traced [m]."""
         return replace(self, offsets=offsets)
