@@ -8,8 +8,9 @@ from xml.sax.saxutils import escape
 import numpy as np
 
 from robot.geometry import Array, Pose2
+from robot.mapping.joining import EndName
 from robot.mapping.strokes import Stroke
-from robot.mapping.tidying import EndName, TidyStrokes
+from robot.mapping.tidying import TidyStrokes
 
 MARGIN_MM = 250
 """Floor around the tape [mm]."""

@@ -8,9 +8,10 @@ from itertools import product
 
 from robot.geometry import Array
 from robot.mapping.ends import End
+from robot.mapping.joining import EndName, join
 from robot.mapping.stroke_fitting import SHORTEST
 from robot.mapping.strokes import Stroke
-from robot.mapping.tidying import EndName, TidyStrokes, join, renumbered
+from robot.mapping.tidying import TidyStrokes, renumbered
 
 
 def without_stroke(tidy: TidyStrokes, number: int) -> TidyStrokes:

@@ -30,6 +30,9 @@ FACE = 0.006
 """Rays meet the end of tape farther than this from its corners [m]."""
 LEAST_FACE, FACE_SD = 6, 0.004
 """The end is where rays met it, if so many did, and they scatter less than this [m]."""
+BENT, BEND_OFF = 0.08, 0.005
+"""Tape that bends over so much of its end goes on bending: straight ahead of it is where it would
+lie less than this beside [m]."""
 
 
 @dataclass(frozen=True)
@@ -83,6 +86,8 @@ class End:
     """Beyond this there is bare floor [m]; inf if nobody saw it."""
     face: float
     """Where rays met the end of the tape [m]; nan if none did."""
+    ahead: float = BEYOND
+    """Farther than this, tape that bends would not lie straight ahead [m]."""
 
     @property
     def length(self) -> float:
@@ -102,6 +107,7 @@ class End:
 def find_end(stroke: Stroke, last: bool, width: float, rays: RaysOnFloor) -> End:
     """Return how far tape of a width [m] goes on at one end of its stroke."""
     place, outward = stroke.end(last)
+    ahead = straight_ahead(stroke, last)
     left = np.array([-outward[1], outward[0]])
     around = np.hypot(*(rays.begin - place).T) < 1.5
     axes = np.column_stack([outward, left])
@@ -124,9 +130,9 @@ def find_end(stroke: Stroke, last: bool, width: float, rays: RaysOnFloor) -> End
         on_edge &= np.abs(leaving[:, 1] + near_side) < ON_EDGE
         on_edge &= np.abs(entry[:, 0] - near) < 4 * ON_EDGE
         bare = np.isnan(met) | (met > reached.max(axis=1) + 0.02 / length)
-    window = crosses & (inner > -BEFORE) & (outer < BEYOND)
+    window = crosses & (inner > -BEFORE) & (outer < ahead)
     middle = (inner + outer) / 2
-    gap = next(gaps(middle[window & on_edge], middle[window & bare], -BEFORE, BEYOND), None)
+    gap = next(gaps(middle[window & on_edge], middle[window & bare], -BEFORE, ahead), None)
     if gap is not None:
         # Tape beyond bare floor is another piece, such as the next dash.
         window &= middle < gap[1]
@@ -137,7 +143,18 @@ def find_end(stroke: Stroke, last: bool, width: float, rays: RaysOnFloor) -> End
     # Unless bare floor was seen beyond, what is farther may be other tape.
     farthest = lower + 0.04 if math.isinf(upper) else upper
     on_face &= (first[:, 0] > lower - 0.01) & (first[:, 0] < farthest + 0.01)
-    return End(place, outward, lower, max(upper, lower), _face(first[on_face, 0]))
+    return End(place, outward, lower, max(upper, lower), _face(first[on_face, 0]), ahead)
+
+
+def straight_ahead(stroke: Stroke, last: bool) -> float:
+    """Return how far ahead of an end its tape is looked for [m]: less, the more it bends."""
+    if not stroke.curved or stroke.knots[-1] < BENT:
+        return BEYOND
+    end = stroke.knots[-1] if last else 0.0
+    before, after = stroke.spline(stroke.nodes)([end, abs(end - BENT)], 1)
+    sine = before[0] * after[1] - before[1] * after[0]
+    curvature = abs(math.atan2(sine, before @ after)) / BENT
+    return min(BEYOND, math.sqrt(2 * BEND_OFF / max(curvature, 1e-3)))
 
 
 def _robust(values: Array, without: float) -> float:

@@ -33,6 +33,7 @@ from robot.geometry import Array, Pose2
 from robot.mapping.crossings import BareFloor, is_tape
 from robot.mapping.cutting import without_gaps
 from robot.mapping.ends import RaysOnFloor
+from robot.mapping.joining import joined
 from robot.mapping.lengthwise import find_lengthwise
 from robot.mapping.map_adjustment import MapAdjustment
 from robot.mapping.redundant import without_redundant
@@ -43,7 +44,7 @@ from robot.mapping.start_frame import moved_to_start
 from robot.mapping.stroke_fitting import FINE_SPACING, SPACING, fit_stroke
 from robot.mapping.strokes import Stroke, Strokes
 from robot.mapping.tape_map import MappingError, TapeMap
-from robot.mapping.tidying import joined, tidied
+from robot.mapping.tidying import tidied
 from robot.mapping.tracing import Cells, Middles, trace
 
 STEP_M, STEP_RAD = 0.02, 0.05

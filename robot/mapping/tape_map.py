@@ -95,11 +95,11 @@ class TapeMap:
 
     @property
     def unseen_ends(self) -> Array:
-        """(n, 2) ends of strokes beyond which nobody has looked [m]."""
+        """(n, 2) ends of strokes of which nobody saw where they are [m]."""
         ends = [
             self.tidy.strokes[number].end(last)[0]
             for (number, last), end in self.tidy.ends.items()
-            if np.isinf(end.sd)
+            if end.sd > UNSURE
         ]
         return np.array(ends).reshape(-1, 2)
 
@@ -147,8 +147,8 @@ class TapeMap:
         unseen = len(self.unseen_ends)
         if unseen:
             remarks.append(
-                f"{unseen} ends of tape were not seen: drive toward them, and where the tape goes "
-                "on"
+                f"the map is not whole: {unseen} ends of tape{_near(self.unseen_ends)} were not "
+                "seen; drive toward them, and where the tape goes on"
             )
         if steadiness(self.tidy.strokes) < LEAST_STEADINESS:
             remarks.append(
@@ -157,8 +157,8 @@ class TapeMap:
             )
         if len(self.others):
             remarks.append(
-                f"something dark{_near(self.others)} is not in the map: a shadow, or tape that was "
-                "seen from its end only; drive past it"
+                f"the map is not whole: something dark{_near(self.others)} is not in it, a shadow, "
+                "or tape that was seen from its end only; drive past it"
             )
         return tuple(remarks)
 
