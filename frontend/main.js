@@ -67,7 +67,7 @@ const filter = new FilterPanel(connection, order, () => map.telling.scatter());
 findButton("by-hand").onclick = async () => {
   tabs.show("map");
   if (!layout.shows("map")) layout.show("map", true);
-  (await map.particles()).show(true);
+  (await map.particles()).showHand();
 };
 const replay = new ReplayBar(order);
 const replayKeys = new ReplayKeys(replay);

@@ -124,6 +124,30 @@ def test_what_is_said_in_passing(page):
     assert not found, "\n".join(found)
 
 
+@pytest.mark.parametrize("size", SIZES)
+def test_what_particles_say(page, size):
+    """A particle asked, the filter by hand, and the likelihood, all open."""
+    show(page, size)
+    click(page, "[data-name=map]")
+    click(page, "#by-hand")
+    box = page.locator("#particles")
+    expect(box).to_be_visible()
+    box.get_by_role("button", name="nearest to estimate").click()
+    expect(box.locator(".readout")).not_to_be_empty()
+    box.get_by_role("button", name="show", exact=True).click()
+    expect(box.locator(".scale li")).to_have_count(4)
+    found = faults(page, "#map")
+    if box.get_by_role("button", name="use the particle filter").is_visible():
+        box.get_by_role("button", name="use the particle filter").click()
+    box.get_by_role("button", name="by hand", exact=True).click()
+    box.get_by_role("button", name="predict").click()
+    expect(box.locator(".hand").get_by_role("status")).to_contain_text("The noise drawn")
+    found += faults(page, "#map")
+    box.get_by_role("button", name="by hand", exact=True).click()
+    box.get_by_role("button", name="Close what particles say").click()
+    assert not found, "\n".join(found)
+
+
 @pytest.fixture(scope="module")
 def pages_beside(browser: Browser, tmp_path_factory) -> Iterator[tuple[Page, str]]:
     """A page, and the address of a program with lessons that asks for a token."""

@@ -124,7 +124,7 @@ export class MapPanel {
     this.scene.paths.add(telemetry);
     this.scene.particles?.follow(telemetry);
     // Whoever let the filter wait, here it shows: a lesson's button, or another page.
-    if (telemetry.filter.hand && !this.#waits) this.particles().then((panel) => panel.show(true));
+    if (telemetry.filter.hand && !this.#waits) this.particles().then((panel) => panel.showHand());
     this.#waits = Boolean(telemetry.filter.hand);
     if (!this.#moved && this.#wanted.join() !== this.#area) this.#fit();
     this.refresh();

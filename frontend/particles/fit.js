@@ -172,7 +172,7 @@ function words({ particle, asked, model, extra_sd, bearings, ranges }) {
 
 /** @param {PoseFitsMessage} fits */
 function rows({ asked, best }) {
-  const head = make("tr", {}, make("th", { scope: "col" }), ...[t("asked"), t("estimate")].map((text) => make("th", { scope: "col" }, text)));
+  const head = make("tr", {}, make("td", {}), ...[t("asked"), t("estimate")].map((text) => make("th", { scope: "col" }, text)));
   /** @param {string} name @param {(fit: PoseFitMessage) => string} value */
   const row = (name, value) =>
     make("tr", {}, make("th", { scope: "row" }, name), ...[asked, best].map((fit) => make("td", {}, fit ? value(fit) : "–")));

@@ -44,7 +44,8 @@ function particles(context, view, { xs, ys, weights }) {
     context.fillStyle = palette["floor-estimate"];
     context.globalAlpha = 0.25 + (0.6 * shade) / (SHADES - 1);
     context.fill(path);
-    stroke(context, path, palette["floor-halo"], 0.6, 0.7);
+    // Rims keep large ones apart; on many small ones they would be all that is seen.
+    if (shade > 2) stroke(context, path, palette["floor-halo"], 0.8, 0.8);
   });
   context.globalAlpha = 1;
 }

@@ -123,7 +123,9 @@ export class LandscapeSection {
       const share = 1 - step / 3;
       const name = step === 0 ? "1" : powerOfTen(((step / 3) * lowest) / TEN);
       const swatch = make("span", { class: "patch" });
-      swatch.style.background = `rgba(${colour(share).map((part, i) => (i === 3 ? part / 255 : part)).join()})`;
+      const ink = `rgba(${colour(share).map((part, i) => (i === 3 ? part / 255 : part)).join()})`;
+      // On the floor it looks so, in both themes.
+      swatch.style.background = `linear-gradient(${ink}, ${ink}), var(--floor)`;
       return make("li", {}, swatch, name);
     });
     this.#scale.replaceChildren(...marks);

@@ -75,6 +75,12 @@ export class ParticlesPanel {
     this.closed();
   }
 
+  /** Show the steps by hand. */
+  showHand() {
+    this.show(true);
+    this.#hand.element.scrollIntoView({ block: "nearest" });
+  }
+
   /** @param {TelemetryMessage} telemetry */
   follow(telemetry) {
     this.#fit.follow(telemetry, this.shown);

@@ -181,7 +181,7 @@ function axis(context, marks, words) {
   context.fillStyle = palette.quiet;
   context.textAlign = "right";
   context.textBaseline = "middle";
-  for (const [value, v] of marks) context.fillText(words(value), LEFT - 4, Math.max(6, v));
+  for (const [value, v] of marks) context.fillText(words(value), LEFT - 4, Math.min(context.canvas.clientHeight - 6, Math.max(6, v)));
   context.strokeStyle = palette.line;
   context.lineWidth = 1;
   context.beginPath();
