@@ -198,3 +198,20 @@ def test_the_programs_own_words_are_told_in_german() -> None:
     late = own.translated("pictures seem to come 20 ms late")
     assert late == "Bilder scheinen 20 ms zu spät zu kommen"
     assert own.translated("page 2 at 192.168.1.7") == "Seite 2 auf 192.168.1.7"
+
+
+def test_numbers_in_a_row_are_apart_by_more_than_a_decimal_sign() -> None:
+    assert GERMAN.translated("0.5, 0, -1.2e-05, ...") == "0,5; 0; -1,2e-05; ..."
+    assert Templates({}, ".").translated("0.5, 0") == "0.5, 0"
+
+
+def test_a_short_word_between_values_is_not_looked_for_in_sentences() -> None:
+    german = Templates({"{low} to {high}": "{low} bis {high}"}, ",")
+    assert german.translated("0.5 to 1 m") == "0,5 bis 1 m"
+    told = "TypeError: only length-1 arrays can be converted to Python scalars"
+    assert german.translated(told) == told
+
+
+def test_an_attribute_with_an_apostrophe_is_translated() -> None:
+    page = """<b title="It's &lt; 1">one</b>"""
+    assert translated(page, str.upper) == """<b title="IT&#x27;S &lt; 1">ONE</b>"""

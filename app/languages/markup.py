@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from html import escape, unescape
 from html.parser import HTMLParser
@@ -98,7 +99,10 @@ class _Reader(HTMLParser):
             described = name != "content" or values.get("name") == "description"
             if value and described and is_text(value):
                 new = escape(self._translate(one_line(value)))
-                whole = whole.replace(f'{name}="{escape(value)}"', f'{name}="{new}"')
+                # As it is written: it may have an apostrophe, or one that is escaped.
+                was = re.search(rf'(?<=\s){name}="[^"]*"', whole)
+                if was:
+                    whole = f'{whole[: was.start()]}{name}="{new}"{whole[was.end() :]}'
         return whole
 
 

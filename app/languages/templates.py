@@ -8,11 +8,16 @@ from dataclasses import dataclass, field
 
 PLACE = re.compile(r"\{(\w+)\}")
 """Where a value stands in a text; also what the page's ``language.js`` takes for one."""
-NUMBER = re.compile(r"-?\d+\.\d+")
+NUMBER = re.compile(r"-?\d+\.\d+(?:e[+-]?\d+)?")
+ROW = re.compile(r"(?:-?\d+(?:\.\d+)?(?:e[+-]?\d+)?(?:, |$)){2,}(?:\.\.\.)?")
+"""Numbers in a row; maybe more of them are left out."""
 BETWEEN = ("; ", ": ", ". ", ", ")
 """What joins texts that are made apart."""
 DEEPEST = 6
 """So many texts in each other are looked for: an error quotes an error."""
+LOOSE = 2
+"""Letters of a text that begins with a value and could be found in nearly any sentence."""
+FEW_WORDS = r"(?:\S+(?: \S+){0,2})?"
 
 
 @dataclass(frozen=True)
@@ -47,6 +52,8 @@ class Templates:
             return self.texts[text]
         if NUMBER.fullmatch(text):
             return text.replace(".", self.point)
+        if ROW.fullmatch(text):
+            return self._row(text)
         if depth > DEEPEST or not any(char.isalpha() for char in text):
             return text
         for each in self._templates:
@@ -56,6 +63,13 @@ class Templates:
                 own = {name: self.translated(value, depth + 1) for name, value in values}
                 return filled(each.translation, own)
         return self._by_parts(text, depth)
+
+    def _row(self, text: str) -> str:
+        """Return numbers with their decimal signs, and apart where a comma is one."""
+        if self.point == ".":
+            return text
+        numbers, dots = text.removesuffix("..."), "..." if text.endswith("...") else ""
+        return numbers.replace(", ", "; ").replace(".", self.point) + dots
 
     def _by_parts(self, text: str, depth: int) -> str:
         for mark in BETWEEN:
@@ -75,7 +89,9 @@ def template(text: str, translation: str) -> Template:
     """Make the template of a text."""
     pieces = PLACE.split(text)
     fixed, names = pieces[::2], pieces[1::2]
-    pattern = "".join(_alternating(fixed, names))
+    letters = sum(char.isalpha() for part in fixed for char in part)
+    loose = not fixed[0] and 0 < letters <= LOOSE
+    pattern = "".join(_alternating(fixed, names, FEW_WORDS if loose else ".*?"))
     return Template(
         re.compile(pattern, re.DOTALL),
         max(fixed, key=len),
@@ -84,10 +100,10 @@ def template(text: str, translation: str) -> Template:
     )
 
 
-def _alternating(fixed: list[str], names: list[str]) -> Iterator[str]:
+def _alternating(fixed: list[str], names: list[str], value: str) -> Iterator[str]:
     for number, part in enumerate(fixed):
         yield re.escape(part)
         if number < len(names):
             name = names[number]
             # The same value stands wherever its name does.
-            yield f"(?P={name})" if name in names[:number] else f"(?P<{name}>.*?)"
+            yield f"(?P={name})" if name in names[:number] else f"(?P<{name}>{value})"

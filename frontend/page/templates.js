@@ -12,11 +12,16 @@
 
 /** Where a value stands in a text. */
 export const PLACE = /\{(\w+)\}/g;
-const NUMBER = /^-?\d+\.\d+$/;
+const NUMBER = /^-?\d+\.\d+(?:e[+-]?\d+)?$/;
+/** Numbers in a row; maybe more of them are left out. */
+const ROW = /^(?:-?\d+(?:\.\d+)?(?:e[+-]?\d+)?(?:, |$)){2,}(?:\.\.\.)?$/;
 /** What joins texts that are made apart. */
 const BETWEEN = ["; ", ": ", ". ", ", "];
 /** So many texts in each other are looked for: an error quotes an error. */
 const DEEPEST = 6;
+/** Letters of a text that begins with a value and could be found in nearly any sentence. */
+const LOOSE = 2;
+const FEW_WORDS = "(?:\\S+(?: \\S+){0,2})?";
 /** Texts with numbers in them, as of alerts, are ever new ones. */
 const MOST_KEPT = 500;
 
@@ -48,6 +53,7 @@ export class Templates {
   #found(text, depth) {
     if (Object.hasOwn(this.texts, text)) return this.texts[text][0];
     if (NUMBER.test(text)) return text.replace(".", this.point);
+    if (ROW.test(text)) return this.#row(text);
     if (depth > DEEPEST || !/\p{L}/u.test(text)) return text;
     if (this.#templates.length === 0) this.#templates = templates(this.texts);
     for (const each of this.#templates) {
@@ -62,6 +68,14 @@ export class Templates {
     return translation.replaceAll(PLACE, (_, name) =>
       this.#found(found.groups?.[name] ?? "", depth + 1),
     );
+  }
+
+  /** Numbers with their decimal signs, and apart where a comma is one. @param {string} text */
+  #row(text) {
+    if (this.point === ".") return text;
+    const dots = text.endsWith("...") ? "..." : "";
+    const numbers = text.slice(0, text.length - dots.length);
+    return numbers.replaceAll(", ", "; ").replaceAll(".", this.point) + dots;
   }
 
   /** @param {string} text @param {number} depth */
@@ -90,20 +104,23 @@ function template(text, translation) {
   const fixed = pieces.filter((_, i) => i % 2 === 0);
   const names = pieces.filter((_, i) => i % 2 === 1);
   const escaped = fixed.map((part) => part.replace(/[.*+?^${}()|[\]\\]/g, "\\$&"));
+  const letters = fixed.join("").match(/\p{L}/gu)?.length ?? 0;
+  const loose = fixed[0] === "" && 0 < letters && letters <= LOOSE;
+  const value = loose ? FEW_WORDS : ".*?";
   return {
-    pattern: new RegExp(`^${alternating(escaped, names).join("")}$`, "s"),
+    pattern: new RegExp(`^${alternating(escaped, names, value).join("")}$`, "s"),
     longest: fixed.reduce((a, b) => (b.length > a.length ? b : a)),
     certainty: fixed.reduce((sum, part) => sum + part.trim().length, 0),
     translation,
   };
 }
 
-/** @param {string[]} fixed @param {string[]} names */
-function alternating(fixed, names) {
+/** @param {string[]} fixed @param {string[]} names @param {string} value */
+function alternating(fixed, names, value) {
   return fixed.map((part, i) => {
     if (i >= names.length) return part;
     // The same value stands wherever its name does.
     const known = names.indexOf(names[i]) < i;
-    return part + (known ? `\\k<${names[i]}>` : `(?<${names[i]}>.*?)`);
+    return part + (known ? `\\k<${names[i]}>` : `(?<${names[i]}>${value})`);
   });
 }
