@@ -75,8 +75,8 @@ def page(request, browser: Browser, address: str) -> Iterator[Page]:
 def test_lesson_3_from_the_prediction_to_the_pass(page, file):
     language = page.evaluate("navigator.language")
     words = WORDS[language]
-    start = STUB.sub(lambda _: lesson_of(3).stub, file.read_text())
-    start = start.replace(WRONG, lesson_of(3).stub).replace(SOLUTION, lesson_of(3).stub)
+    start = STUB.sub(lambda _: lesson_of(3).stub(), file.read_text())
+    start = start.replace(WRONG, lesson_of(3).stub()).replace(SOLUTION, lesson_of(3).stub())
     file.write_text(start)
     expect(page.locator("#title")).to_have_text(f"3. {words['title']}")
     expect(page.locator("#later")).to_be_hidden()

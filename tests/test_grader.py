@@ -105,7 +105,7 @@ def test_arrays_that_were_given_stay_as_they_are():
 
 
 def test_stubs_are_not_begun():
-    source = "".join(lesson.stub for lesson in lessons())
+    source = "".join(lesson.stub() for lesson in lessons())
     for lesson in lessons():
         result = grade(source, "mine.py", lesson)
         assert not result.started

@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.languages.catalogue import FOLDER, Catalogue, catalogue, languages, spoken
+from app.languages.docstrings import in_language
 from app.languages.extraction import ROOT, SILENT, SPEAKING, TELLING, Text, texts
 from app.languages.markup import texts_of_page, translated
 from app.languages.python_texts import texts_of_module
@@ -215,3 +216,13 @@ def test_a_short_word_between_values_is_not_looked_for_in_sentences() -> None:
 def test_an_attribute_with_an_apostrophe_is_translated() -> None:
     page = """<b title="It's &lt; 1">one</b>"""
     assert translated(page, str.upper) == """<b title="IT&#x27;S &lt; 1">ONE</b>"""
+
+
+def test_code_speaks_another_language_only_in_its_docstrings() -> None:
+    source = (
+        '"""A thing."""\n\n\ndef f(x):\n    """Give it.\n\n    It is\n    x.\n    """\n    raise\n'
+    )
+    assert in_language(source, catalogue("en")) == source
+    own = Catalogue("de", {"A thing.": ("Ein Ding.",), "It is x.": ("x ist es.",)}, "", ",")
+    wanted = source.replace("A thing", "Ein Ding").replace("It is\n    x", "x ist es")
+    assert in_language(source, own) == wanted

@@ -9,12 +9,13 @@ from pathlib import Path
 
 from app.course.class_command import Graded, as_csv, as_table, grade_class, submissions
 from app.course.grading import SEED, grade
+from app.course.language import language_asked
 from app.course.lesson import lesson_of, lessons
 from app.course.reports import as_gradescope, as_json, as_junit, for_people
 from app.course.source import read_source
 from app.files import atomic_file
 from app.lab.workers import workers_from_options
-from app.languages.catalogue import Catalogue, catalogue, languages, spoken
+from app.languages.catalogue import Catalogue
 from robot.settings import SettingError
 
 CLASS_ONLY = ("csv", "workers", "cluster")
@@ -22,7 +23,7 @@ CLASS_ONLY = ("csv", "workers", "cluster")
 
 def check(parsed: argparse.Namespace) -> int:
     """Grade a file, or those of a class; return 0 if all that was begun passed, 1 if not."""
-    language = _language(getattr(parsed, "language", None))
+    language = language_asked(parsed)
     folder = getattr(parsed, "lessons", None)
     number = getattr(parsed, "lesson", None)
     chosen = lessons(folder) if number is None else [lesson_of(number, folder)]
@@ -71,14 +72,6 @@ def _check_class(
 
 def _told(item: Graded) -> dict[str, str]:
     return {"problem": item.problem} if item.problem else {}
-
-
-def _language(code: str | None) -> Catalogue:
-    if code is None:
-        return spoken()
-    if code not in languages():
-        raise SettingError(f"there is no language {code}; valid are {', '.join(languages())}")
-    return catalogue(code)
 
 
 def _write(path: Path, text: str) -> None:

@@ -157,8 +157,10 @@ def _altered(lesson: Lesson, measured: Iterable[Measured]) -> Iterator[Finding]:
 def _failure(lesson: Lesson, error: StudentError, case: Case | None = None) -> Finding:
     cause = cause_of("stopped" if error.fatal else "error")
     function = lesson.checks.functions[0] if case is None else case.function
-    where = Words("line {line}: ", {"line": error.line}) if error.line else Words("")
-    complaint = Words("{where}{error}", {"where": where, "error": str(error)})
+    where = Words("line {line}:", {"line": error.line})
+    complaint = Words(
+        "{where} {error}" if error.line else "{error}", {"where": where, "error": str(error)}
+    )
     words = (
         complaint
         if case is None

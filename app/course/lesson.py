@@ -11,10 +11,14 @@ from functools import cached_property
 from pathlib import Path
 
 from app.course.grader.case import Checks
+from app.course.grader.words import ENGLISH_TEXTS
+from app.languages.catalogue import Catalogue
+from app.languages.docstrings import in_language
+from app.languages.marking import phrase
 from robot.settings import SettingError
 
 LESSONS = Path(__file__).parent / "lessons"
-HEAD = '''"""My particle filter; `brickpose learn` explains each function."""
+HEAD = f'''"""{phrase("My particle filter; `brickpose learn` explains each function.")}"""
 
 import math
 import types
@@ -67,17 +71,17 @@ class Lesson:
         path = self.folder / f"{language}.md"
         return (path if path.is_file() else self.folder / "en.md").read_text(encoding="utf-8")
 
-    @property
-    def stub(self) -> str:
-        """The code that the student starts from."""
-        return (self.folder / "stub.py").read_text(encoding="utf-8")
+    def stub(self, language: Catalogue = ENGLISH_TEXTS) -> str:
+        """Return the code that the student starts from, described in a language."""
+        return in_language((self.folder / "stub.py").read_text(encoding="utf-8"), language)
 
 
-def starting_file(chosen: list[Lesson]) -> str:
+def starting_file(chosen: list[Lesson], language: Catalogue = ENGLISH_TEXTS) -> str:
     """Return the file that a student starts from: stubs, and what the dashboard drives with."""
-    stubs = [lesson.stub.strip() for lesson in chosen]
-    given = (LESSONS / "dashboard.py").read_text(encoding="utf-8").strip()
-    return "\n\n\n".join([HEAD.strip(), *stubs, given]) + "\n"
+    stubs = [lesson.stub(language).strip() for lesson in chosen]
+    given = (LESSONS / "dashboard.py").read_text(encoding="utf-8")
+    head, given = (in_language(text, language).strip() for text in (HEAD, given))
+    return "\n\n\n".join([head, *stubs, given]) + "\n"
 
 
 def lessons(folder: Path | None = None) -> list[Lesson]:

@@ -23,7 +23,8 @@ def _lines(result: Result, language: Catalogue) -> Iterator[str]:
     state = language.t("passed") if result.passed else language.t("not yet")
     if not result.started:
         state = language.t("not begun")
-    head = language.t("Lesson {number}, {name}:", number=result.lesson, name=result.name)
+    name = language.t(result.name)
+    head = language.t("Lesson {number}, {name}:", number=result.lesson, name=name)
     yield f"{head} {state}"
     for finding in result.findings:
         yield ""

@@ -12,6 +12,7 @@ from app.course.desk import CheckDesk
 from app.course.lesson import Lesson, lesson_of, lessons
 from app.course.lesson_text import parsed
 from app.course.student_file import student_file_router
+from app.languages.catalogue import Catalogue
 from app.messages.answers import content, refusal
 from app.page.language import language_of, page
 from app.page.token_guard import role_in
@@ -53,7 +54,7 @@ def course_router(file: Path, folder: Path | None = None) -> APIRouter:
         """A lesson's text in the page's language, in sections of HTML."""
         # Who watches needs no path of this computer.
         shown = file if role_in(request.scope) is Role.DRIVE else Path(file.name)
-        return _content(_lesson(number, folder), language_of(request).language, shown)
+        return _content(_lesson(number, folder), language_of(request), shown)
 
     @router.get("/api/lessons/{number}/picture.svg", response_class=Response,
                 responses=NO_LESSON | content("image/svg+xml"))  # fmt: skip
@@ -78,8 +79,8 @@ def _lesson(number: int, folder: Path | None) -> Lesson:
         raise HTTPException(404, str(error)) from error
 
 
-def _content(lesson: Lesson, language: str, file: Path) -> dict[str, Any]:
-    text = parsed(lesson.text(language))
+def _content(lesson: Lesson, language: Catalogue, file: Path) -> dict[str, Any]:
+    text = parsed(lesson.text(language.language))
     return {
         "number": lesson.number,
         "title": text.title,
@@ -88,7 +89,7 @@ def _content(lesson: Lesson, language: str, file: Path) -> dict[str, Any]:
             {"title": item.title, "html": item.html, "choices": list(item.choices)}
             for item in text.sections
         ],
-        "stub": lesson.stub,
+        "stub": lesson.stub(language),
         "picture": (lesson.folder / "picture.svg").is_file(),
         "file": str(file),
     }

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
+from app.languages.docstrings import texts_of_docstrings
 from app.languages.markup import texts_of_page
 from app.languages.python_texts import texts_of_module
 from app.languages.script_texts import texts_of_script
@@ -14,12 +15,13 @@ Text = str | tuple[str, str]
 """A text, or its singular and plural."""
 
 TELLING = (
-    "app/engine", "app/messages/commands.py", "app/messages/message.py", "app/page",
+    "app/course/sandbox/student_process.py", "app/engine", "app/messages/commands.py",
+    "app/messages/message.py", "app/page",
     "app/recordings", "robot/calibration", "robot/cameras", "robot/fields", "robot/hat",
     "robot/interface.py", "robot/localization", "robot/mapping", "robot/settings.py",
-    "robot/toml_file.py",
+    "robot/toml_file.py", "sim/floor_camera.py", "sim/imperfections.py",
 )  # fmt: skip
-"""Where errors come from that the page shows: their messages are texts."""
+"""Where errors and settings come from that the page shows: what they say are texts."""
 SPEAKING = (
     "app/course/grader/causes/", "app/course/grader/forms.py", "app/course/grading.py",
     "app/course/lessons/",
@@ -33,6 +35,8 @@ SPEAKING = (
     "robot/mapping/pushed.py", "robot/mapping/tape_map.py", "robot/settings.py",
 )  # fmt: skip
 """Modules and folders in which every sentence is a text, but their documentation."""
+LESSONS = "app/course/lessons"
+"""Where each lesson has a folder ``<number>_<name>``; the docstrings of its stub are texts."""
 SILENT = (
     "app/languages", "app/page/access_options.py", "app/page/docs_page.py",
     "app/page/listening.py", "app/page/tokens.py", "app/recordings/options.py",
@@ -45,7 +49,7 @@ SILENT = (
 
 def texts(root: Path = ROOT) -> set[Text]:
     """Return all of them."""
-    return {*_in_pages(root), *_in_scripts(root), *_in_python(root)}
+    return {*_in_pages(root), *_in_scripts(root), *_in_python(root), *_in_lessons(root)}
 
 
 def _in_pages(root: Path) -> Iterator[Text]:
@@ -59,8 +63,15 @@ def _in_scripts(root: Path) -> Iterator[Text]:
 
 
 def _in_python(root: Path) -> Iterator[Text]:
-    for room in ("app", "robot"):
+    for room in ("app", "robot", "sim"):
         for path in sorted((root / room).rglob("*.py")):
             way = path.relative_to(root).as_posix()
             if not way.startswith(SILENT):
                 yield from texts_of_module(path, way.startswith(TELLING), way.startswith(SPEAKING))
+
+
+def _in_lessons(root: Path) -> Iterator[Text]:
+    for path in sorted((root / LESSONS).glob("*/stub.py")):
+        yield path.parent.name.partition("_")[2].replace("_", " ")
+        yield from texts_of_docstrings(path)
+    yield from texts_of_docstrings(root / LESSONS / "dashboard.py")

@@ -73,7 +73,9 @@ class Recorder:
     def log_weight(self, poses: Array, scan: float) -> Array:
         """Return the fits; they depend on the poses, so that the order shows."""
         self.calls["log_weight"] += 1
-        return self.fits + 4 * np.asarray(poses)[:, 1] + 100 * (np.asarray(poses)[:, 0] - scan)
+        x, y, _ = np.asarray(poses).T
+        fits: Array = self.fits + 4 * y + 100 * (x - scan) * (1 + y)  # a step alters their ratios
+        return fits
 
     def resample(self, poses: Array, weights: Array) -> tuple[Array, Array]:
         """Draw the heaviest twice, and forget the lightest."""
@@ -228,7 +230,8 @@ def show(case: Case, values: Array) -> str:
     asked = values[-3:] > 0
     names = [name for name, was in zip(vars(PARTS), asked, strict=True) if was]
     weights = ", ".join(f"{weight:.3f}" for weight in values[:4])
-    return f"{weights} ({', '.join(names) or '–'})"
+    called = ", ".join(names) or "–"
+    return f"{weights}; called: {called}"
 
 
 def picture(outcome: Outcome, due: Array, given: Array) -> str:
