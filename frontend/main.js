@@ -5,6 +5,7 @@ import { Home } from "./drive/home.js";
 import { DrivePanel } from "./drive/panel.js";
 import { FieldPanel } from "./field/panel.js";
 import { FilterPanel } from "./filter/panel.js";
+import { offerHelp } from "./help/help.js";
 import { Layout } from "./layout/layout.js";
 import { LayoutMenu } from "./layout/menu.js";
 import { MapPanel } from "./map/panel.js";
@@ -228,3 +229,4 @@ setInterval(() => {
 }, DESCRIPTIONS_MS);
 tabs.start();
 connection.start();
+offerHelp();

@@ -38,7 +38,7 @@ SPEAKING = (
 LESSONS = "app/course/lessons"
 """Where each lesson has a folder ``<number>_<name>``; the docstrings of its stub are texts."""
 SILENT = (
-    "app/languages", "app/page/access_options.py", "app/page/docs_page.py",
+    "app/languages", "app/page/access_options.py", "app/page/docs_page.py", "app/page/documents",
     "app/page/listening.py", "app/page/tokens.py", "app/recordings/options.py",
     "app/recordings/remote.py", "app/recordings/remote_robot.py",
     "robot/calibration/mounting", "robot/hat/settings.py",

@@ -16,7 +16,7 @@ from app.languages.markup import translated
 from app.messages.answers import LanguageMessage, refusal
 
 COOKIE = "brickpose-language"
-NO_HEADERS: Mapping[str, str] = MappingProxyType({})
+NOTHING: Mapping[str, str] = MappingProxyType({})
 HEADERS = {"Cache-Control": "no-cache", "Vary": "Accept-Language, Cookie"}
 
 
@@ -39,12 +39,21 @@ def language_router() -> APIRouter:
 
 
 def page(
-    path: Path, request: HTTPConnection, status: int = 200, headers: Mapping[str, str] = NO_HEADERS
+    path: Path,
+    request: HTTPConnection,
+    status: int = 200,
+    headers: Mapping[str, str] = NOTHING,
+    content: Mapping[str, str] = NOTHING,
 ) -> HTMLResponse:
-    """Return a page of the frontend in the language of a request."""
+    """Return a page of the frontend in the language of a request.
+
+    ``content`` is HTML by name, which is not translated: it stands where ``<!-- name -->`` does.
+    """
     own = language_of(request)
-    content = _page(path, path.stat().st_mtime_ns, own.language)
-    return HTMLResponse(content, status, {**HEADERS, "Content-Language": own.language, **headers})
+    text = _page(path, path.stat().st_mtime_ns, own.language)
+    for name, html in content.items():
+        text = text.replace(f"<!-- {name} -->", html, 1)
+    return HTMLResponse(text, status, {**HEADERS, "Content-Language": own.language, **headers})
 
 
 def language_of(request: HTTPConnection) -> Catalogue:

@@ -26,6 +26,7 @@ from app.page.access import SameOriginOnly, own_names
 from app.page.calibration import calibration_router
 from app.page.camera_stream import STREAM, CameraStream
 from app.page.docs_page import docs_page
+from app.page.documents.routes import documents_router
 from app.page.faults import faults_router
 from app.page.field import NO_PICTURE, field_router
 from app.page.filter_by_hand import hand_router
@@ -100,6 +101,7 @@ def create_app(
     if config.ros2.foxglove:
         _add_foxglove(app, outlets.foxglove)
     app.include_router(language_router())
+    app.include_router(documents_router())
     app.include_router(state_router(program, thread, (view, keeper), outlets))
     app.include_router(field_router(program))
     app.include_router(floor_grid_router(program))

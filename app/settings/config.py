@@ -62,6 +62,7 @@ if TYPE_CHECKING:
 ROOT = Path(__file__).resolve().parents[2]
 MAPS = ROOT / "maps"
 FRONTEND = ROOT / "frontend"
+DOCS = ROOT / "docs"
 
 ROBOTS = ("sim", "kinematic", "buildhat")
 

@@ -6,7 +6,6 @@ import { Surface } from "../page/surface.js";
 import { Tabs } from "../page/tabs.js";
 import { ValueChooser } from "./chooser.js";
 import { PRESETS, QUANTITIES } from "./quantities.js";
-import { SavePlots } from "./saving.js";
 import { Span } from "./span.js";
 import { drawStack, lookOf } from "./stack.js";
 
@@ -24,6 +23,7 @@ export class PlotsPanel {
   #text = find("plots-text", HTMLElement);
   #log = findButton("plots-log");
   #choice = find("plots-span", HTMLSelectElement);
+  #save = find("plots-save", HTMLSelectElement);
   #span = new Span();
   #replayed = false;
   /** Names of the values that are shown. @type {string[]} */
@@ -51,7 +51,12 @@ export class PlotsPanel {
     this.tabs.select("error");
     this.#log.onclick = () => this.#toggleLog();
     this.#choice.onchange = () => this.#follow(Number(this.#choice.value));
-    new SavePlots(() => this.plot);
+    this.#save.onchange = async () => {
+      const kind = this.#save.value;
+      this.#save.value = "";
+      const { savePlot } = await import("./saving.js");
+      savePlot(kind, this.plot);
+    };
     this.#wire(canvas);
   }
 

@@ -1,5 +1,5 @@
 // @ts-check
-import { find } from "../page/elements.js";
+/** Saves what is plotted as a picture, or as numbers; loaded when somebody saves. */
 import { palette } from "../page/palette.js";
 import { QUANTITIES } from "./quantities.js";
 import { drawStack, lookOf } from "./stack.js";
@@ -14,35 +14,21 @@ const HEIGHT = 540;
 const FINER = 2;
 const LEGEND_PX = 28;
 
-/** Saves what is plotted as a picture, or as numbers. */
-export class SavePlots {
-  #list = find("plots-save", HTMLSelectElement);
-
-  /** @param {() => Plot} plot what is drawn now */
-  constructor(plot) {
-    this.plot = plot;
-    this.#list.onchange = () => {
-      this.#save(this.#list.value);
-      this.#list.value = "";
-    };
+/** Offer a plot as a file. @param {string} kind png, svg or csv @param {Plot} shown */
+export async function savePlot(kind, shown) {
+  const plot = { ...shown, cursor: null };
+  if (kind === "csv") return offer(new Blob([csv(plot)], { type: "text/csv" }), "plot.csv");
+  if (kind === "svg") {
+    const pen = new SvgContext(WIDTH, HEIGHT);
+    drawSheet(/** @type {Pen} */ (pen), plot);
+    return offer(new Blob([pen.text()], { type: "image/svg+xml" }), "plot.svg");
   }
-
-  /** @param {string} kind */
-  async #save(kind) {
-    const plot = { ...this.plot(), cursor: null };
-    if (kind === "csv") return offer(new Blob([csv(plot)], { type: "text/csv" }), "plot.csv");
-    if (kind === "svg") {
-      const pen = new SvgContext(WIDTH, HEIGHT);
-      drawSheet(/** @type {Pen} */ (pen), plot);
-      return offer(new Blob([pen.text()], { type: "image/svg+xml" }), "plot.svg");
-    }
-    const canvas = new OffscreenCanvas(WIDTH * FINER, HEIGHT * FINER);
-    const context = canvas.getContext("2d");
-    if (!context) return;
-    context.scale(FINER, FINER);
-    drawSheet(context, plot);
-    offer(await canvas.convertToBlob(), "plot.png");
-  }
+  const canvas = new OffscreenCanvas(WIDTH * FINER, HEIGHT * FINER);
+  const context = canvas.getContext("2d");
+  if (!context) return;
+  context.scale(FINER, FINER);
+  drawSheet(context, plot);
+  offer(await canvas.convertToBlob(), "plot.png");
 }
 
 /** Draw the plot with a legend, on the page's ground. @param {Pen} pen @param {Plot} plot */

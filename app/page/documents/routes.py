@@ -1,0 +1,71 @@
+"""The routes of ``/help``: each document by its file's name, so that their own links hold."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from html import escape
+from pathlib import Path
+
+from fastapi import APIRouter, HTTPException, Request
+from fastapi.responses import FileResponse, HTMLResponse, RedirectResponse
+
+from app.page.documents.markdown import rendered, title_of
+from app.page.language import page
+from app.settings.config import DOCS, FRONTEND
+
+FRAME = FRONTEND / "help" / "help.html"
+FIRST = "page.md"
+"""What ``/help/`` shows: how the page is used."""
+
+
+def documents_router() -> APIRouter:
+    """Return the routes that serve the documents and their pictures."""
+    router = APIRouter(include_in_schema=False)
+
+    @router.get("/help")
+    def without_slash() -> RedirectResponse:
+        # Links of a document begin at its folder.
+        return RedirectResponse("help/")
+
+    @router.get("/help/")
+    def first(request: Request) -> HTMLResponse:
+        return _shown(FIRST, request)
+
+    @router.get("/help/{name}")
+    def document(name: str, request: Request) -> HTMLResponse:
+        return _shown(name, request)
+
+    @router.get("/help/pictures/{name}")
+    def picture(name: str) -> FileResponse:
+        known = {path.name: path for path in (DOCS / "pictures").glob("*.png")}
+        if name not in known:
+            raise HTTPException(404, f"there is no picture {name}")
+        return FileResponse(known[name], headers={"Cache-Control": "no-cache"})
+
+    return router
+
+
+def _shown(name: str, request: Request) -> HTMLResponse:
+    known = {path.name: path for path in sorted(DOCS.glob("*.md"))}
+    if name not in known:
+        raise HTTPException(404, f"there is no document {name}; valid are {', '.join(known)}")
+    title, text = _read(known[name], known[name].stat().st_mtime_ns)
+    titles = {each: _read(path, path.stat().st_mtime_ns)[0] for each, path in known.items()}
+    return page(
+        FRAME, request, content={"title": escape(title), "list": _list(titles, name), "text": text}
+    )
+
+
+def _list(titles: dict[str, str], shown: str) -> str:
+    return "".join(
+        f'<li><a href="{escape(name)}"{" aria-current=page" if name == shown else ""}>'
+        f"{escape(title)}</a></li>"
+        for name, title in titles.items()
+    )
+
+
+@lru_cache(maxsize=64)
+def _read(path: Path, changed: int) -> tuple[str, str]:
+    """Return title and HTML; ``changed`` is when the file was, so that a new one is read."""
+    text = path.read_text(encoding="utf-8")
+    return title_of(text), rendered(text)
