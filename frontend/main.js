@@ -4,6 +4,7 @@ import { CameraPanel } from "./camera/panel.js";
 import { Home } from "./drive/home.js";
 import { DrivePanel } from "./drive/panel.js";
 import { FieldPanel } from "./field/panel.js";
+import { RunAgain } from "./filter/again.js";
 import { FilterPanel } from "./filter/panel.js";
 import { offerHelp } from "./help/help.js";
 import { Layout } from "./layout/layout.js";
@@ -70,6 +71,7 @@ findButton("by-hand").onclick = async () => {
   if (!layout.shows("map")) layout.show("map", true);
   (await map.particles()).showHand();
 };
+const again = new RunAgain(order, toasts);
 const replay = new ReplayBar(order);
 const replayKeys = new ReplayKeys(replay);
 const view3d = new View3d(appearance, order, (target) => {
@@ -121,6 +123,7 @@ function take(news) {
   mapping.follow(news);
   problems.show(news);
   record.show(news.recording ?? null);
+  again.follow(news);
   recordings.show(news.replay ?? null);
   if (replay.show(news.replay ?? null, news.stamp)) showReplay(replay.shown);
   tape.add(news.scan);

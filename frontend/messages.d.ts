@@ -24,6 +24,7 @@ export type Command =
   | ReplayCommand
   | ResetCommand
   | ResumeCommand
+  | RunAgainCommand
   | SaveMapCommand
   | ScatterCommand
   | SetCalibrationCommand
@@ -878,6 +879,13 @@ export interface RobotMessage {
    * then; null before the first.
    */
   calibrated: number | null;
+}
+
+/** Go on with a replay of what was recorded last, with the parameters as they are now. */
+export interface RunAgainCommand {
+  /** Repeated in the answer. */
+  id?: number | string | null;
+  type: "run_again";
 }
 
 /**

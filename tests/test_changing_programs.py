@@ -18,10 +18,11 @@ from app.engine.commands import check
 from app.engine.program import Program
 from app.messages.commands import CloseRecordingCommand
 from app.messages.driving_commands import StopCommand
-from app.page import outlets as page_outlets
 from app.page.outlets import Outlets
 from app.recordings.library import listed
-from app.recordings.replay.opening import ReplayProgram, replay_after
+from app.recordings.replay import succession
+from app.recordings.replay.opening import ReplayProgram
+from app.recordings.replay.succession import replay_after
 from app.settings.config import Config
 from robot.errors import CommandError
 from robot.interface import RobotError
@@ -106,7 +107,7 @@ def test_who_cannot_go_back_to_the_robot_stays_in_the_recording(
     before = build_program(Config(robot="kinematic", map="stub"))
     replay = replay_after(before, listed(folder)[0].file.parent)
     made: list[Callable[[], Program]] = []
-    monkeypatch.setattr(page_outlets, "build_program", unplugged)
+    monkeypatch.setattr(succession, "build_program", unplugged)
     Outlets.close_recording(SimpleNamespace(_program=replay, _go_on=made.append))  # type: ignore[arg-type]
     following = made[0]()
     assert isinstance(following, ReplayProgram)

@@ -155,6 +155,12 @@ class OpenRecordingCommand(CommandMessage):
     """As ``/api/recordings`` has it."""
 
 
+class RunAgainCommand(CommandMessage):
+    """Go on with a replay of what was recorded last, with the parameters as they are now."""
+
+    type: Literal["run_again"]
+
+
 class CloseRecordingCommand(CommandMessage):
     """Go back from a recording that the page opened to the robot."""
 
@@ -201,6 +207,7 @@ Command = Annotated[
     | RecordCommand
     | ReplayCommand
     | OpenRecordingCommand
+    | RunAgainCommand
     | CloseRecordingCommand
     | PingCommand,
     Field(discriminator="type"),

@@ -17,6 +17,7 @@ from app.messages.commands import (
     Command,
     OpenRecordingCommand,
     RecordCommand,
+    RunAgainCommand,
     UseFieldCommand,
 )
 from app.messages.driving_commands import (
@@ -38,7 +39,8 @@ from app.messages.map_commands import (
 from app.recordings.contents import contents_of
 from app.recordings.library import find
 from app.recordings.recorder import Recorder
-from app.recordings.replay.opening import ReplayProgram, replay_after, robot_again
+from app.recordings.replay.opening import ReplayProgram
+from app.recordings.replay.succession import replay_after, robot_again, run_again
 from app.ros2.inbox import Inbox
 from app.ros2.publisher import TopicPublisher
 from app.ros2.source import TopicSource
@@ -205,8 +207,7 @@ class Outlets:
         """
         if self._change_map is None:
             raise CommandError("this program cannot load another field; start it anew")
-        self.drivers.require_free(driver)
-        self.mapping.require_none_lost()
+        self._require_idle(driver)
         name = field_named(command.name, self._maps)
         try:
             load_field(name, MAPS)
@@ -222,10 +223,22 @@ class Outlets:
         """
         if self._go_on is None:
             raise CommandError("this program cannot open a recording; brickpose replay does")
-        self.drivers.require_free(driver)
-        self.mapping.require_none_lost()
+        self._require_idle(driver)
         item = find(self._program.config.recording.path(), name)
         following = replay_after(self._program, item.file.parent)
+        self._go_on(lambda: following)
+
+    def run_again(self, driver: Driver) -> None:
+        """Go on with the last recording and today's parameters; one that runs ends first.
+
+        Raises:
+            BrickPoseError: nothing was recorded, or as ``open_recording``.
+        """
+        if self._go_on is None or self.recorder.folder is None:
+            raise CommandError("nothing is recorded of this drive; record, drive, and run it again")
+        self._require_idle(driver)
+        self.recorder.close()
+        following = run_again(self._program, self.recorder.folder)
         self._go_on(lambda: following)
 
     def close_recording(self) -> None:
@@ -239,6 +252,10 @@ class Outlets:
         if before is None or self._go_on is None:
             raise CommandError("there is no robot to go back to; brickpose run starts one")
         self._go_on(lambda: robot_again(program, before))
+
+    def _require_idle(self, driver: Driver) -> None:
+        self.drivers.require_free(driver)
+        self.mapping.require_none_lost()
 
     @property
     def failures(self) -> list[str]:
@@ -261,6 +278,7 @@ ACTS: Mapping[type[Command], Callable[[Outlets, Driver, Any], None]] = MappingPr
         OpenRecordingCommand: lambda outlets, driver, command: outlets.open_recording(
             driver, command.name
         ),
+        RunAgainCommand: lambda outlets, driver, _: outlets.run_again(driver),
         CloseRecordingCommand: lambda outlets, *_: outlets.close_recording(),
         RecordCommand: lambda outlets, _, command: outlets.record(command.on),
         CalibrateCommand: lambda outlets, driver, command: outlets.calibrate(driver, command),

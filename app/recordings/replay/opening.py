@@ -7,13 +7,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from app.engine.build import build_engine, build_program, own_models
+from app.engine.build import build_engine, own_models
 from app.engine.engine import Engine
 from app.engine.own_models.own_models import OwnModels
 from app.engine.parameter_changes import with_values_and_models
 from app.engine.program import Program
 from app.engine.start_pose.start import Start, start
-from app.languages.marking import phrase
 from app.recordings.attachments import PROFILE, SETTINGS, URDF
 from app.recordings.files.mcap_reader import RecordingReader, open_recording
 from app.recordings.files.recorded import RecordingError
@@ -26,14 +25,12 @@ from app.recordings.replay.timeline import Timeline
 from app.settings.config import MAPS, Config, by_path, with_settings
 from robot.calibration.profile import load_profile
 from robot.driving.differential_drive import DifferentialDrive
-from robot.errors import BrickPoseError
 from robot.fields.field import Field
 from robot.fields.field_loading import load_field
 from robot.localization.models.entry_field import EntryField
 from robot.scanning.line_scanner import LineScanner
 from robot.settings import SettingError
 from robot.toml_file import read_toml
-from sim.real_time import RealTime
 
 TABLES = ("localization", "scanner", "odometry", "drive", "start_pose")
 """The tables of settings that affect a replay."""
@@ -101,30 +98,6 @@ class ReplayProgram(Program):
     """What is missing in the recording, or not as it was recorded."""
     before: Config | None = None
     """Settings of the program with a robot that opened it; None if it was started as a replay."""
-
-
-def replay_after(program: Program, path: Path) -> ReplayProgram:
-    """Make a program that replays a recording in place of another program, whose page opened it.
-
-    Raises:
-        RecordingError, SettingError, FieldError, SpecError: as ``open_replay``.
-    """
-    replay = open_replay(path, ReplayOptions(host=program.config.host, port=program.config.port))
-    before = program.before if isinstance(program, ReplayProgram) else program.config
-    # Its page lists the recordings of this computer, not those of the recorded one.
-    config = dataclasses.replace(replay.config, recording=program.config.recording)
-    return dataclasses.replace(replay, config=config, before=before)
-
-
-def robot_again(program: Program, before: Config) -> Program:
-    """Return a program with its robot, or the recording again, which says what the robot lacks."""
-    try:
-        return build_program(before, RealTime())
-    except (BrickPoseError, OSError) as error:
-        assert isinstance(program.robot, RecordedRobot)
-        replay = replay_after(program, program.robot.reader.path)
-        replay.engine.note(phrase(f"There is no way back to the robot yet: {error}"))
-        return replay
 
 
 def open_replay(path: Path, options: ReplayOptions) -> ReplayProgram:
