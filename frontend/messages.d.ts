@@ -764,6 +764,8 @@ export interface ProblemMessage {
 /** The record of problems, newest last; at most the last hundred. */
 export interface ProblemsMessage {
   problems: ProblemMessage[];
+  /** The calls that led to the present fault of a user's own model, with their lines. */
+  trace?: string;
 }
 
 /** What the scanner saw along one ray of the newest frame. */

@@ -39,6 +39,11 @@ def run(program: Program, seconds: float, *renewed) -> Snapshot:
     return engine_runs.run(program, seconds, *renewed)[-1]
 
 
+def undoubted(shown: Snapshot) -> list[str]:
+    """What is told of a model, but that it finds no robot: most models here are not meant to."""
+    return [words for words in shown.problems if "beside the true one" not in words]
+
+
 def with_own(base: Program, path="", name="Flat", motion="", folder="") -> Program:
     """A new engine around the robot of another program, back at its start."""
     own = OwnModels(base.field, sensor=path and f"{path}:{name}", motion=motion, folder=str(folder))

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from engine_runs import EIGHT
-from own_programs import FLAT, run
+from own_programs import FLAT, run, undoubted
 
 from app.engine.commands import check
 from app.engine.own_models import own_models
@@ -102,7 +102,7 @@ def test_after_mending_it_goes_on_by_itself(save, with_own):
     save(FLAT)
     mended = run(program, 1.0, EIGHT)
     assert mended.fault is None
-    assert mended.problems == ()
+    assert undoubted(mended) == []
     assert mended.updates > broken.updates + 5
     assert mended.truth.distance_to(broken.truth) > 0.03
 
@@ -204,7 +204,7 @@ def test_a_slow_model_is_told_and_goes_on(save, monkeypatch, with_own):
     monkeypatch.setattr(own_models, "SLOW_S", 0.0)
     shown = run(with_own(save(FLAT)), 0.5, EIGHT)
     assert shown.fault is None
-    assert shown.problems[0].startswith("mine.py:Flat takes ")
+    assert undoubted(shown)[0].startswith("mine.py:Flat takes ")
     assert shown.mode == "figure_eight"
 
 
@@ -215,7 +215,7 @@ def test_a_model_that_the_filter_does_not_ask_is_told(save, with_own):
         program.robot.spec.floor_view, replace(program.config.scanner, tape_width=0.2)
     )
     shown = run(program, 3.0, EIGHT)
-    assert shown.problems == (
-        "mine.py:Flat is not asked: no tape is in sight, or this filter does without.",
-    )
+    assert undoubted(shown) == [
+        "mine.py:Flat is not asked: no tape is in sight, or this filter does without."
+    ]
     assert shown.mode == "figure_eight"

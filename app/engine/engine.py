@@ -246,6 +246,7 @@ class Engine:
             parameters=localization.parameters,
             own=localization.choice,
             fault=localization.fault,
+            trace=localization.trace,
             loop=self._meter.end(reading.stamp),
             connected=reading.connected,
             battery_v=reading.battery_v,

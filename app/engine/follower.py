@@ -70,6 +70,11 @@ class Follower:
         return None
 
     @property
+    def trace(self) -> str:
+        """The calls that led to the fault in a user's file; empty if there is none."""
+        return ""
+
+    @property
     def complaints(self) -> Mapping[str, str | None]:
         """What is wrong, by topic; None if nothing is."""
         return {}

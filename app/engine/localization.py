@@ -147,6 +147,11 @@ class Localization(Follower):
         return self.own.fault
 
     @property
+    def trace(self) -> str:
+        """The calls that led to the fault in a user's file; empty if there is none."""
+        return self.own.trace
+
+    @property
     def undoable(self) -> int:
         """How many changes of the belief can be undone."""
         return len(self.earlier)

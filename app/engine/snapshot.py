@@ -122,6 +122,8 @@ class Snapshot:
     """The user's own models in use and on offer."""
     fault: str | None
     """What is wrong with these models, with file and line; the robot stands still meanwhile."""
+    trace: str = field(repr=False)
+    """The calls that led to that fault, from the user's file on."""
     loop: LoopStatistics
     connected: bool
     battery_v: float | None

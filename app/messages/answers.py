@@ -195,6 +195,8 @@ class ProblemsMessage(Message):
     """The record of problems, newest last; at most the last hundred."""
 
     problems: list[ProblemMessage]
+    trace: str = ""
+    """The calls that led to the present fault of a user's own model, with their lines."""
 
 
 Responses = dict[int | str, dict[str, Any]]

@@ -69,7 +69,8 @@ def state_router(
         latest = engine.latest.get()
         record = latest.record if latest else ()
         return ProblemsMessage(
-            problems=[ProblemMessage(stamp=p.stamp, message=p.message) for p in record]
+            problems=[ProblemMessage(stamp=p.stamp, message=p.message) for p in record],
+            trace=latest.trace if latest else "",
         )
 
     @router.websocket("/api/live")

@@ -120,18 +120,27 @@ export class Problems {
   async #load() {
     /** @type {Node[]} */
     let items;
+    let fault = "";
     try {
       /** @type {ProblemsMessage} */
-      const { problems } = await getJson("/api/problems");
+      const { problems, trace } = await getJson("/api/problems");
       items = problems
         .reverse()
         .map(({ stamp, message }) =>
           make("li", {}, make("time", {}, minutes(stamp)), ` ${translated(message)}`),
         );
+      fault = trace ?? "";
     } catch (error) {
       items = [make("li", {}, t("The log could not be read: {error}", { error: sentence(error) }))];
     }
+    if (fault) items.unshift(traced(fault));
     if (items.length === 0) items = [make("li", { class: "quiet" }, t("Nothing has gone wrong."))];
     this.#list.replaceChildren(...items);
   }
+}
+
+/** Where a model of one's own failed: the calls, on demand. @param {string} trace */
+function traced(trace) {
+  const calls = make("pre", { tabindex: "0" }, trace);
+  return make("li", {}, make("details", { class: "trace" }, make("summary", {}, t("Where your model failed")), calls));
 }

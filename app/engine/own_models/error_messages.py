@@ -18,8 +18,15 @@ LONGEST = 300
 """Longer messages are cut to this length [characters]: the page shows them in one line."""
 
 
+MOST_CALLS = 20
+"""Longer traces, as of a function that calls itself, are cut to this number of calls."""
+
+
 class OwnModelError(BrickPoseError, ValueError):
     """A user's own model cannot be used; the message names its file and, if known, the line."""
+
+    trace = ""
+    """The calls that led there, from the user's file on, with their lines."""
 
 
 @contextlib.contextmanager
@@ -37,7 +44,9 @@ def errors_named_after(path: Path, line: int | None = None) -> Iterator[None]:
         yield
     except (Exception, SystemExit) as error:
         result = _innermost_line(error, path)
-        raise OwnModelError(place(path, result or line) + _words(error)) from error
+        named = OwnModelError(place(path, result or line) + _words(error))
+        named.trace = _trace(error, path)
+        raise named from error
 
 
 def place(path: Path, line: int | None) -> str:
@@ -76,6 +85,19 @@ def _innermost_line(error: BaseException, path: Path) -> int | None:
         if frame.filename == str(path)
     ]
     return lines[-1] if lines else None
+
+
+def _trace(error: BaseException, path: Path) -> str:
+    """Return the calls from the user's file on, the innermost last; empty if it has no part."""
+    frames = traceback.extract_tb(error.__traceback__)
+    first = next((i for i, frame in enumerate(frames) if frame.filename == str(path)), None)
+    if first is None:
+        return ""
+    lines = [
+        f"{Path(frame.filename).name} line {frame.lineno}, in {frame.name}\n    {frame.line}"
+        for frame in frames[first:][:MOST_CALLS]
+    ]
+    return "\n".join([*lines, _words(error)])
 
 
 def _words(error: BaseException) -> str:

@@ -33,6 +33,8 @@ class Guard:
     def __init__(self, file: ModelFile, model: object, method: str, fault: str | None) -> None:
         self.fault = fault
         """What went wrong, with file and line; None while nothing did."""
+        self.trace = ""
+        """The calls that led there, if it went wrong within the user's file."""
         self.seconds = 0.0
         """How long the last call took [s]."""
         self.passed_over = 0
@@ -55,7 +57,7 @@ class Guard:
                 given = self._method(*arguments)
                 result = self._checked(given, shape)
         except OwnModelError as error:
-            self.fault = str(error)
+            self.fault, self.trace = str(error), error.trace
             return None
         self.seconds = time.perf_counter() - began
         return result

@@ -9,6 +9,7 @@ from pathlib import Path
 from app.engine.own_models.guards import OwnMotion, OwnSensor
 from app.engine.own_models.model_file import ModelFile
 from app.engine.own_models.slot import Slot
+from app.engine.own_models.trial import judge_on
 from app.engine.own_models.watch import ModelFolder, ModelList
 from robot.fields.field import Field
 from robot.localization.parameters import LocalizationParameters
@@ -52,7 +53,7 @@ class OwnModels:
         self._given_sensor = ModelFile.find(sensor) if sensor else None
         self._given_motion = ModelFile.find(motion) if motion else None
         self._found = self._folder.look() if self._folder else ModelList()
-        self._sensor = Slot(OwnSensor, field.start)
+        self._sensor = Slot(OwnSensor, field.start, judge_on(field))
         self._motion = Slot(OwnMotion, field.start)
         self._polled = float("-inf")
         self._made_with: LocalizationParameters | None = None
@@ -76,6 +77,11 @@ class OwnModels:
         return self._sensor.fault or self._motion.fault
 
     @property
+    def trace(self) -> str:
+        """The calls that led to the fault, from the user's file on; empty if there is none."""
+        return self._sensor.trace or self._motion.trace
+
+    @property
     def complaints(self) -> tuple[str, ...]:
         """What is wrong with files that are not in use."""
         used = [slot.file.path.name for slot in (self._sensor, self._motion) if slot.file]
@@ -86,10 +92,16 @@ class OwnModels:
         """What is wrong, by topic; None if nothing is."""
         return {
             "own models": self.fault and f"The robot stands still: {self.fault}",
+            "doubtful models": self._doubt,
             "slow models": self.slow,
             "idle models": self.idle,
             "models on offer": " ".join(self.complaints) or None,
         }
+
+    @property
+    def _doubt(self) -> str | None:
+        doubt = None if self.fault else self._sensor.doubt
+        return f"{self._sensor.name}: {doubt}" if doubt else None
 
     @property
     def slow(self) -> str | None:

@@ -28,10 +28,19 @@ G = TypeVar("G", bound=Guarded)
 class Slot(Generic[G]):
     """Holds the chosen model, if it is one of the user's own."""
 
-    def __init__(self, wrap: Callable[[ModelFile, object, str | None], G], start: Pose2) -> None:
+    def __init__(
+        self,
+        wrap: Callable[[ModelFile, object, str | None], G],
+        start: Pose2,
+        judge: Callable[[G], str | None] = lambda _: None,
+    ) -> None:
+        """Begin empty; ``judge`` says what is doubtful of a model that works, or None."""
         self.model: G | None = None
         """None while one of the program's own models is chosen."""
         self.file: ModelFile | None = None
+        self.doubt: str | None = None
+        """What the trial before its use has shown."""
+        self._judge = judge
         self._wrap = wrap
         self._start = start
         self._class: Callable[..., Any] | None = None
@@ -47,10 +56,16 @@ class Slot(Generic[G]):
         """What is wrong with the model, with file and line."""
         return self.model.guard.fault if self.model else None
 
+    @property
+    def trace(self) -> str:
+        """The calls that led to the fault, as far as they are the user's."""
+        return self.model.guard.trace if self.model else ""
+
     def choose(self, file: ModelFile | None) -> None:
         """Choose a file, or None to empty the slot; call ``load`` next."""
         self.file = file
         self.model = None
+        self.doubt = None
         # The watch begins before the file is read, so that a save in between is not missed.
         self._watch = FileWatch(file.path) if file else None
 
@@ -66,7 +81,7 @@ class Slot(Generic[G]):
         try:
             self._class = load(self.file)
         except OwnModelError as error:
-            self.model = self._wrap(self.file, None, str(error))
+            self._fail(self.file, error)
             return
         self._make(offered, try_out=True)
 
@@ -82,9 +97,14 @@ class Slot(Generic[G]):
                 # Try out a model and throw it away, as it may remember the trial.
                 tried = self._wrap(self.file, build(self.file, self._class, offered), None)
                 tried.try_out(self._start)
+                self.doubt = self._judge(tried)
                 if tried.guard.fault is not None:
                     self.model = tried
                     return
             self.model = self._wrap(self.file, build(self.file, self._class, offered), None)
         except OwnModelError as error:
-            self.model = self._wrap(self.file, None, str(error))
+            self._fail(self.file, error)
+
+    def _fail(self, file: ModelFile, error: OwnModelError) -> None:
+        self.model = self._wrap(file, None, str(error))
+        self.model.guard.trace = error.trace
