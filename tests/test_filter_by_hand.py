@@ -11,8 +11,10 @@ from particle_robot import Tracker, tracker_of
 from stub_drive import DEFAULTS, Drive
 
 from app.engine.commands import apply
+from app.engine.earlier_beliefs import MOST_BYTES
 from app.engine.program import Program
 from app.engine.snapshot import Snapshot
+from app.engine.steps_by_hand import MOST_STEPS
 from app.messages.commands import ResetCommand, ScatterCommand, SetParametersCommand
 from app.messages.hand_commands import FilterByHandCommand, FilterStepCommand, FilterUndoCommand
 from robot.errors import CommandError
@@ -265,3 +267,16 @@ def test_another_filter_ends_the_steps_by_hand(program: Program) -> None:
 def test_the_defaults_resample_at_each_update() -> None:
     """What the page says of one update being three steps holds for these."""
     assert DEFAULTS.filter.resample_interval == 1 and not DEFAULTS.filter.selective_resampling
+
+
+def test_many_steps_of_many_particles_fill_no_memory(program: Program) -> None:
+    many = {"max_particles": 20_000, "min_particles": 20_000}
+    give(program, SetParametersCommand(type="set_parameters", values=many))
+    give(program, ScatterCommand(type="scatter"))
+    for _ in range(30):
+        shown = give(program, PREDICT, WEIGH, RESAMPLE)
+    assert shown.hand is not None
+    assert 20 < shown.hand.undoable <= MOST_STEPS
+    beliefs = program.engine.localization.by_hand._earlier._beliefs
+    assert sum(belief.size for belief in beliefs) <= MOST_BYTES
+    assert give(program, UNDO).hand.undoable == shown.hand.undoable - 1  # type: ignore[union-attr]

@@ -17,13 +17,16 @@ from weakref import WeakValueDictionary
 from robot.description.spec import RobotSpec
 from robot.driving.differential_drive import DifferentialDrive
 from robot.errors import BrickPoseError
+from robot.localization.filter_by_hand import HandStep
 from robot.localization.models.entry_field import EntryField
 from robot.localization.ray_evidence import RayEvidence
 from robot.localization.scan_matching import ScanMatcher
 from robot.scan import Scan
 from robot.scanning.line_scanner import LineScan, LineScanner
 
-IMMUTABLE = (DifferentialDrive, EntryField, LineScanner, RayEvidence, RobotSpec, Scan, ScanMatcher)
+IMMUTABLE = (
+    DifferentialDrive, EntryField, HandStep, LineScanner, RayEvidence, RobotSpec, Scan, ScanMatcher,
+)  # fmt: skip
 """Types of frozen objects with arrays that nobody writes to; these objects are referenced."""
 
 LEFT_OUT = (LineScan,)

@@ -9,6 +9,8 @@ from app.engine.checkpoint import Checkpoint, CheckpointError, CheckpointWriter
 
 MOST_UNDOABLE = 20
 """Most changes of the belief that can be undone."""
+MOST_BYTES = 64_000_000
+"""All beliefs together take no more; the oldest are forgotten."""
 
 
 class EarlierBeliefs:
@@ -38,6 +40,8 @@ class EarlierBeliefs:
             self.clear()
         else:
             self._beliefs.append(copy)
+            while len(self._beliefs) > 1 and sum(one.size for one in self._beliefs) > MOST_BYTES:
+                self._beliefs.popleft()
 
     def restore(self) -> Any:
         """Return the belief before the last change, and forget it here."""

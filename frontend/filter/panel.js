@@ -49,6 +49,7 @@ export class FilterPanel {
   #list = find("parameters", HTMLElement);
   #hint = find("filter-hint", HTMLElement);
   #pause = findButton("pause");
+  #step = findButton("step");
   #paused = false;
   /** @type {Map<string, ParameterRow>} */
   #rows = new Map();
@@ -65,7 +66,7 @@ export class FilterPanel {
   constructor(connection, order, scatter) {
     this.connection = connection;
     this.#pause.onclick = () => order({ type: this.#paused ? "resume" : "pause" });
-    findButton("step").onclick = () => order({ type: "update" });
+    this.#step.onclick = () => order({ type: "update" });
     findButton("filter-scatter").onclick = scatter;
     findButton("reset").onclick = async () => {
       if (await order({ type: "reset" })) this.load();
@@ -84,6 +85,7 @@ export class FilterPanel {
     const words = contents(filter.kind, particles);
     const state = filter.hand ? t("by hand, {words}", { words }) : filter.paused ? t("paused, {words}", { words }) : words;
     setText(this.#hint, state);
+    this.#pause.disabled = this.#step.disabled = Boolean(filter.hand);
     this.#paused = filter.paused;
     setText(this.#pause, filter.paused ? t("resume") : t("pause"));
   }

@@ -15,6 +15,8 @@ import { powerOfTen } from "./powers.js";
 
 /** Shortest time between two landscapes [ms]. */
 const AGAIN_MS = 1000;
+/** A slow model gets so many times longer a pause [ms/s]: the robot shall have the processor. */
+const PAUSE = 5000;
 /** Colours from the least to the most likely, ever darker: they differ in every kind of sight. */
 const COLOURS = [
   [255, 240, 170, 0],
@@ -73,7 +75,7 @@ export class LandscapeSection {
   }
 
   follow() {
-    if (this.shown && performance.now() - this.#asked > AGAIN_MS) this.#ask();
+    if (this.shown && performance.now() - this.#asked > AGAIN_MS + PAUSE * (this.#land?.seconds ?? 0)) this.#ask();
   }
 
   async #ask() {

@@ -37,6 +37,7 @@ export class RayChart {
       make("li", {}, make("span", { class: "swatch seen" }), t("measured")),
       make("li", {}, make("span", { class: "swatch asked" }), t("expected by it")),
       make("li", {}, make("span", { class: "swatch estimate" }), t("expected by the estimate")),
+      make("li", {}, make("span", { class: "swatch ring" }), t("on the map: the larger, the less a ray fits")),
     ),
     make("div", { class: "stage" }, this.#canvas),
     this.#readout,

@@ -16,7 +16,7 @@ from robot.localization.weighing import Weighing
 STEPS = (0.005, 0.01, 0.02, 0.04, 0.08, 0.16, 0.32, 0.64)
 """Sides of the cells that are tried [m]."""
 MOST_CELLS = 90_000
-BUDGET_S = 0.6
+BUDGET_S = 0.5
 """Longest time for a landscape; one that would take longer gets larger cells."""
 PIECE = 4096
 """Poses that are asked for at once: a user's own model may need memory for each ray of each."""
