@@ -34,7 +34,7 @@ WORDS = {
     "de-DE": {
         "title": "Wie gut ist diese Vermutung?",
         "choice": "B, gedreht",
-        "keep": "Meine Vorhersage behalten",
+        "keep": "Meine Vorhersage festhalten",
         "unkept": "Wähl zuerst, was du glaubst.",
         "predicted": "Deine Vorhersage: B, gedreht – it looks wrong",
         "begun": "Noch nicht begonnen.",

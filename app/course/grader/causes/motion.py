@@ -12,7 +12,7 @@ MOTION = {
         "and sine.",
     ),
     "M2": Cause(
-        "Straight lines are right, but on arcs the path drifts outwards.",
+        "Straight lines are right, but on arcs the path drifts inwards.",
         "The way is taken along the heading after the turn.",
         "While it drives an arc the robot looks from the old heading to the new one. Which heading "
         "does it have on the average?",
@@ -35,7 +35,7 @@ MOTION = {
         "Draw one random number for each particle: rng.standard_normal(len(poses)).",
     ),
     "old-heading": Cause(
-        "On arcs the path drifts inwards.",
+        "On arcs the path drifts outwards.",
         "The way is taken along the heading before the turn.",
         "While it drives an arc the robot looks from the old heading to the new one. Which heading "
         "does it have on the average?",

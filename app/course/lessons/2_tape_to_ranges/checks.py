@@ -17,12 +17,12 @@ from robot.geometry import Array
 CAMERA = SimpleNamespace(focal=300.0, u0=160.0, v0=120.0, height=0.15, tilt=30.0, forward=0.06)
 PIXELS = (
     ("middle", "The pixel in the middle of the picture.", 0.0, 0.0),
-    ("row", "A pixel {right} to the right of the middle.", 90.0, 0.0),
-    ("row", "A pixel {right} to the right of the middle.", -70.0, 0.0),
-    ("column", "A pixel {down} below the middle.", 0.0, 80.0),
-    ("column", "A pixel {down} below the middle.", 0.0, -50.0),
-    ("corner", "A pixel {right} to the right and {down} below the middle.", -110.0, 60.0),
-    ("sky", "A pixel above the horizon, {down} below the middle.", 30.0, -200.0),
+    ("row", "A pixel {across} to the right of the middle.", 90.0, 0.0),
+    ("row", "A pixel {across} to the left of the middle.", -70.0, 0.0),
+    ("column", "A pixel {along} below the middle.", 0.0, 80.0),
+    ("column", "A pixel {along} above the middle.", 0.0, -50.0),
+    ("corner", "A pixel {across} to the left and {along} below the middle.", -110.0, 60.0),
+    ("sky", "A pixel above the horizon, {along} above the middle.", 30.0, -200.0),
 )
 TOLERANCE = np.array([1e-7, 1e-7])
 SHOWN_M = 2.0
@@ -53,7 +53,7 @@ def cases(seed: int) -> list[Case]:
 def _case(pixel: tuple[str, str, float, float], camera: SimpleNamespace) -> Case:
     kind, text, right, down = pixel
     values = {
-        "pixel": Words(text, {"right": f"{right:g} px", "down": f"{down:g} px"}),
+        "pixel": Words(text, {"across": f"{abs(right):g} px", "along": f"{abs(down):g} px"}),
         "height": round(1000 * camera.height),
         "tilt": round(camera.tilt, 1),
         "forward": round(1000 * camera.forward),
