@@ -301,3 +301,30 @@ def test_a_skip_link_leads_to_the_map(page):
     page.locator(".skip").first.focus()
     page.keyboard.press("Enter")
     assert page.evaluate("document.activeElement.id") == "map-canvas"
+
+
+def test_a_pose_is_typed_with_point_or_comma_or_refused(page, server):
+    page.locator("#numbers-toggle").click()
+    x, heading = page.locator("#pose-x"), page.locator("#pose-heading")
+    page.locator("#pose-y").fill("-10.5")
+    with server.live() as live:
+        for text, metres in (
+            ("120,5", 0.1205),
+            ("80.25", 0.08025),
+            ("\u2212 7", None),
+            ("1.000,5", None),
+        ):
+            x.fill(text)
+            valid = x.evaluate("field => field.checkValidity()")
+            assert valid == (metres is not None), text
+            page.locator("#numbers-place").click()
+            if metres is not None:
+                at = until(live, lambda now: abs(now["truth"]["x"] - metres) < 1e-6)  # noqa: B023
+                assert abs(at["truth"]["y"] + 0.0105) < 1e-6
+        x.fill("0")
+        heading.fill("400")
+        said = heading.evaluate("field => field.validationMessage")
+        assert said == "Valid is -360 to 360."
+    heading.fill("0")
+    page.locator("#home").click()
+    page.locator("#numbers-toggle").click()

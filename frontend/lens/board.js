@@ -1,5 +1,6 @@
 // @ts-check
 import { t } from "../page/language.js";
+import { DecimalField } from "../page/decimal.js";
 import { find, findButton, findInput, setText } from "../page/elements.js";
 import { brief } from "../page/format.js";
 
@@ -17,8 +18,8 @@ export class BoardForm {
   #numbers = {
     columns: findInput("board-columns"),
     rows: findInput("board-rows"),
-    square: findInput("board-square"),
-    marker: findInput("board-marker"),
+    square: new DecimalField("board-square"),
+    marker: new DecimalField("board-marker"),
   };
   #details = find("board-fields", HTMLDetailsElement);
   #words = find("board-words", HTMLElement);
@@ -46,8 +47,8 @@ export class BoardForm {
       kind: this.#kind.value,
       columns: Math.round(columns.valueAsNumber),
       rows: Math.round(rows.valueAsNumber),
-      square: square.valueAsNumber / 1000,
-      marker: marker.valueAsNumber / 100,
+      square: square.value / 1000,
+      marker: marker.value / 100,
       dictionary: this.#dictionary.value,
     };
   }
@@ -70,8 +71,8 @@ export class BoardForm {
     const { columns, rows, square, marker } = this.#numbers;
     columns.value = String(filled.columns);
     rows.value = String(filled.rows);
-    square.value = String(+((filled.square ?? 0) * 1000).toFixed(3));
-    marker.value = String(+((filled.marker ?? 0) * 100).toFixed(3));
+    square.value = (filled.square ?? 0) * 1000;
+    marker.value = (filled.marker ?? 0) * 100;
     this.#show();
   }
 

@@ -1,4 +1,5 @@
 // @ts-check
+import { DecimalField } from "../page/decimal.js";
 import { find, findButton, findInput, setText } from "../page/elements.js";
 import { degrees, millimetres } from "../page/format.js";
 
@@ -8,9 +9,9 @@ import { degrees, millimetres } from "../page/format.js";
 
 /** A form for a pose in exact numbers, and for the spread of poses that are sent to the filter. */
 export class NumbersForm {
-  #x = findInput("pose-x");
-  #y = findInput("pose-y");
-  #heading = findInput("pose-heading");
+  #x = new DecimalField("pose-x");
+  #y = new DecimalField("pose-y");
+  #heading = new DecimalField("pose-heading");
   #spread = findInput("spread-xy");
   #turn = findInput("spread-theta");
 
@@ -46,9 +47,9 @@ export class NumbersForm {
   /** @returns {PoseMessage} */
   get pose() {
     return {
-      x: this.#x.valueAsNumber / 1000,
-      y: this.#y.valueAsNumber / 1000,
-      theta: (this.#heading.valueAsNumber * Math.PI) / 180,
+      x: this.#x.value / 1000,
+      y: this.#y.value / 1000,
+      theta: (this.#heading.value * Math.PI) / 180,
     };
   }
 
@@ -62,9 +63,9 @@ export class NumbersForm {
 
   /** Write a pose into the form, for small corrections. @param {PoseMessage} pose */
   set pose({ x, y, theta }) {
-    this.#x.value = (x * 1000).toFixed(0);
-    this.#y.value = (y * 1000).toFixed(0);
-    this.#heading.value = ((theta * 180) / Math.PI).toFixed(0);
+    this.#x.value = tenths(x * 1000);
+    this.#y.value = tenths(y * 1000);
+    this.#heading.value = tenths((theta * 180) / Math.PI);
   }
 
   /** @param {boolean} possible whether this robot can be put elsewhere by a command */
@@ -80,3 +81,6 @@ export class NumbersForm {
     this.#turn.setAttribute("aria-valuetext", theta);
   }
 }
+
+/** @param {number} value */
+const tenths = (value) => Math.round(value * 10) / 10;
