@@ -5,12 +5,12 @@ import { Surface } from "../page/surface.js";
 import { millimetres } from "../page/format.js";
 import { FloorGrid } from "./floor_grid.js";
 import { drawOverlay, nearestRay, thin } from "./overlay.js";
-import { RayProfile } from "./profile.js";
 import { CameraStream } from "./stream.js";
 
 /** @typedef {import("../messages").FieldMessage} FieldMessage */
 /** @typedef {import("../page/draw_loop.js").DrawLoop} DrawLoop */
 /** @typedef {import("./overlay.js").Point} Point */
+/** @typedef {import("./profile.js").RayProfile} RayProfile */
 /** @typedef {import("./stream.js").Picture} Picture */
 
 /** The live picture, what the scanner found in it, and the profile of one ray. */
@@ -20,6 +20,8 @@ export class CameraPanel {
   #empty = find("camera-empty", HTMLElement);
   #raysButton = findButton("camera-rays");
   #profileButton = findButton("camera-profile");
+  /** The profile of one ray; loaded when it is first opened. @type {RayProfile | null} */
+  profile = null;
   /** @type {Point[][]} */
   #rays = [];
   /** @type {Picture | null} */
@@ -32,12 +34,12 @@ export class CameraPanel {
    * @param {(stamp: number) => void} drawn called when a new picture is on the screen
    */
   constructor(loop, drawn) {
+    this.loop = loop;
     this.drawn = drawn;
     const canvas = find("camera-canvas", HTMLCanvasElement);
     this.surface = new Surface(canvas, () => this.#resized());
     this.refresh = loop.add(() => this.#paint(), { visible: () => this.surface.visible });
     this.stream = new CameraStream("/api/camera", (picture) => this.#show(picture));
-    this.profile = new RayProfile(loop, () => this.#selected());
     this.grid = new FloorGrid(() => this.refresh());
     this.#raysButton.onclick = () => this.#toggleRays();
     this.#profileButton.onclick = () => this.#toggleProfile();
@@ -49,7 +51,7 @@ export class CameraPanel {
   /** @param {FieldMessage} field */
   setField(field) {
     this.#rays = field.rays_px.map(thin);
-    this.profile.count = this.#rays.length;
+    if (this.profile) this.profile.count = this.#rays.length;
     this.grid.load();
   }
 
@@ -92,7 +94,7 @@ export class CameraPanel {
     context.drawImage(bitmap, left, top, bitmap.width * scale, bitmap.height * scale);
     this.grid.draw(context, placement, bitmap);
     if (edges && this.#showsRays) {
-      drawOverlay(context, placement, this.#rays, edges, this.profile.ray);
+      drawOverlay(context, placement, this.#rays, edges, this.#ray);
     }
     if (this.#fresh) this.drawn(stamp);
     this.#fresh = false;
@@ -115,12 +117,25 @@ export class CameraPanel {
   }
 
   #toggleProfile() {
-    if (this.profile.ray === null) this.profile.open(Math.floor(this.#rays.length / 2));
-    else this.profile.close();
+    if (this.#ray === null) this.#withProfile((profile) => profile.open(Math.floor(this.#rays.length / 2)));
+    else this.profile?.close();
+  }
+
+  /** The ray that is looked at closely. */
+  get #ray() {
+    return this.profile?.ray ?? null;
+  }
+
+  /** @param {(profile: RayProfile) => void} act */
+  async #withProfile(act) {
+    const { RayProfile } = await import("./profile.js");
+    this.profile ??= new RayProfile(this.loop, () => this.#selected());
+    this.profile.count = this.#rays.length;
+    act(this.profile);
   }
 
   #selected() {
-    this.#profileButton.setAttribute("aria-pressed", String(this.profile.ray !== null));
+    this.#profileButton.setAttribute("aria-pressed", String(this.#ray !== null));
     this.refresh();
   }
 
@@ -130,14 +145,15 @@ export class CameraPanel {
     if (!bitmap || this.#rays.length === 0) return;
     const { left, top, scale } = this.#placement(bitmap);
     const [x, y] = this.surface.locate(event);
-    this.profile.open(nearestRay(this.#rays, [(x - left) / scale, (y - top) / scale]));
+    const ray = nearestRay(this.#rays, [(x - left) / scale, (y - top) / scale]);
+    this.#withProfile((profile) => profile.open(ray));
   }
 
   /** @param {KeyboardEvent} event */
   #key(event) {
     const step = { ArrowLeft: -1, ArrowDown: -1, ArrowRight: 1, ArrowUp: 1 }[event.key];
-    if (step) this.profile.step(step);
-    else if (event.key === "Escape") this.profile.close();
+    if (step) this.#withProfile((profile) => profile.step(step));
+    else if (event.key === "Escape") this.profile?.close();
     else return;
     event.preventDefault();
   }
