@@ -102,3 +102,28 @@ def test_on_a_phone_the_bar_lies_below_the_map(browser, server, live):
         assert bar["y"] >= map_box["y"] + map_box["height"]
         assert bar["y"] + bar["height"] <= 844
         assert page.evaluate("document.documentElement.scrollWidth") == 390
+
+
+def test_a_paused_recording_goes_through_the_filter_by_hand(page, live):
+    """Standing at a picture, the filter takes its steps and takes them back."""
+    ask(live, type="set_parameters", values={"filter": "particles"})
+    page.wait_for_function("window.brickpose.telemetry.filter.kind === 'particles'")
+    page.locator("#by-hand").click()
+    box = page.locator("#particles .hand")
+    box.get_by_role("button", name="by hand").click()
+    expect(box.get_by_role("status")).to_contain_text("Begin with predict")
+    page.locator("#replay-on").click()
+    expect(box.locator(".quiet")).to_contain_text(
+        "Since the last prediction the wheels have driven"
+    )
+    for step, words in (("predict", "noise drawn"), ("weigh", "effective"), ("resample", "died")):
+        box.get_by_role("button", name=step).click()
+        expect(box.get_by_role("status")).to_contain_text(words)
+    for words in ("effective", "noise drawn", "Begin with predict"):
+        box.get_by_role("button", name="back").click()
+        expect(box.get_by_role("status")).to_contain_text(words)
+    # Whoever goes elsewhere in the recording leaves the steps: there they were not taken.
+    page.locator("#replay-position").focus()
+    page.keyboard.press("Home")
+    page.wait_for_function("window.brickpose.telemetry.filter.hand === null")
+    ask(live, type="reset")
