@@ -23,6 +23,9 @@ SNAP, MEETING, BACK = 0.09, 0.08, 0.05
 seen, or cut there [m]."""
 CROSSING = math.sin(math.radians(15))
 """Strokes at a smaller angle do not meet."""
+SHARPEST = math.cos(math.radians(30))
+"""Cosine of the least angle inside a corner: two ends that lead on nearly side by side are of one
+piece of tape that was traced twice."""
 
 
 @dataclass(frozen=True)
@@ -83,7 +86,7 @@ def _corners(
             continue
         end, other = ends[a], ends[b]
         sine = end.outward[0] * other.outward[1] - end.outward[1] * other.outward[0]
-        if abs(sine) < CROSSING:
+        if abs(sine) < CROSSING or end.outward @ other.outward > SHARPEST:
             continue
         away = other.place - end.place
         to_a = (away[0] * other.outward[1] - away[1] * other.outward[0]) / sine
