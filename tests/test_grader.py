@@ -7,7 +7,7 @@ from xml.etree import ElementTree
 
 import pytest
 from course.correct import CORRECT
-from course.mistakes import CODES, WRITINGS, pairs
+from course.mistakes import CODES, WRITINGS, pairs, written
 from course.solutions import ARRAYS, BASES
 from grader_trials import mutants
 
@@ -144,3 +144,25 @@ def test_reports_hold_any_words():
     result = grade("def odometry(*a): raise ValueError('\\x00<&>\\ud800')", "m.py", lesson_of(1))
     assert ElementTree.fromstring(as_junit([result], ENGLISH).partition("?>")[2]) is not None
     assert json.loads(as_gradescope([result], ENGLISH))
+
+
+BEGINNERS = [
+    (
+        "no-return", 3,
+        ("seen = np.isfinite(ranges)", "seen = ranges > 0"),
+        ("[rows, columns]", "[tuple(np.clip(c, 0, n - 1) for c, n in zip((rows, columns), field.distances.shape))]"),  # noqa: E501
+    ),
+    ("sum", 3, ("np.log(0.95 * fit + 0.05).sum", "(0.95 * fit + 0.05).sum")),
+    ("motion-lost", 6, ("poses = parts.motion(poses, moved)", "parts.motion(poses, moved)")),
+    (
+        "order", 6,
+        ("    poses = parts.motion(poses, moved)\n", ""),
+        ("scan)\n", "scan)\n    poses = parts.motion(poses, moved)\n"),
+    ),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("code", "number", "changes"), [(c, n, w) for c, n, *w in BEGINNERS])
+def test_what_a_beginner_did_is_named(code, number, changes):
+    result = grade(written("arrays", tuple(changes)), "my_filter.py", lesson_of(number))
+    assert [finding.cause for finding in result.findings] == [code]

@@ -80,6 +80,11 @@ FILTER = {
         "Weighing comes before moving.",
         "Predict first, then correct.",
     ),
+    "motion-lost": Cause(
+        "The cloud stays behind while the robot drives.",
+        "The poses that motion returns are not used.",
+        "motion leaves its poses as they are, and returns new ones: keep those.",
+    ),
     "not-normalized": Cause(
         "The effective sample size is nonsense.",
         "The weights do not sum to one.",

@@ -104,7 +104,11 @@ def expected(case: Case, mistakes: frozenset[str]) -> Array:
         clearance = _distances(poses[:, :1], poses[:, 1:2], field, mistakes)
         away = np.abs(clearance - ranges[seen].min())
     with np.errstate(all="ignore"):
-        return _weight(away, sigma, mistakes)
+        weights = _weight(away, sigma, mistakes)
+    # An infinite range that is kept ends at the map's border, or wherever else no tape is.
+    kept = (~seen).sum() if "far-away" in mistakes else 0
+    weights += math.log(RANDOM) * kept
+    return weights
 
 
 def _ends(
@@ -182,6 +186,7 @@ JOINED: dict[str, Callable[[Array], Array]] = {
     "mean": lambda likelihood: _log_sum(likelihood) / likelihood.shape[1],
     "cubed": lambda likelihood: _log_sum(likelihood) / 3,
     "sum": lambda likelihood: np.log(likelihood.sum(axis=1)),
+    "plain-sum": lambda likelihood: likelihood.sum(axis=1),
     "plain": lambda likelihood: likelihood.prod(axis=1),
     "plain-product": lambda likelihood: likelihood.prod(axis=1),
     "product": lambda likelihood: np.log(likelihood.prod(axis=1)),
@@ -295,6 +300,8 @@ CHECKS = Checks(
         Hypothesis("rounded", "half-cell"),
         *(Hypothesis(name, "mean", JOINTS) for name in ("mean", "cubed")),
         Hypothesis("sum", "sum", JOINTS),
+        Hypothesis("plain-sum", "sum", JOINTS),
+        Hypothesis("far-away", "no-return", kind="no-return"),
         Hypothesis("no-square", "square"),
         Hypothesis("bearing-subtracted", "bearing-sign"),
         Hypothesis("place-lost", "place-lost"),

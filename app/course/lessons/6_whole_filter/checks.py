@@ -183,6 +183,8 @@ def _loop(
     before = poses
     if not (standing and "only-motion-stands" in mistakes):
         poses = parts.motion(poses, moved)
+    if "motion-lost" in mistakes:
+        poses = before
     fits = parts.log_weight(before if "weighs-first" in mistakes else poses, scan)
     fits = fits - (0.0 if "underflow" in mistakes else fits.max())
     prior = np.full(len(poses), 1 / len(poses)) if "prior-lost" in mistakes else weights
@@ -253,7 +255,8 @@ CHECKS = Checks(
         Hypothesis("prior-lost", "R6"),
         Hypothesis("underflow", "S1", kind="low"),
         Hypothesis("weights-kept", "R1", kind="survive"),
-        Hypothesis("weighs-first", "order"),
+        Hypothesis("weighs-first", "order", frozenset(["motion-lost"])),
+        Hypothesis("motion-lost", "motion-lost", frozenset(["weighs-first"])),
         Hypothesis("not-normalized", "not-normalized"),
         Hypothesis("no-exponential", "exponential"),
         Hypothesis("never-resamples", "no-resampling", TIMES),
