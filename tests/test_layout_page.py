@@ -81,8 +81,9 @@ def test_the_header_is_one_row_and_the_page_does_not_scroll(page):
     assert (tall, wide) == (720, 1280)
 
 
-def test_longer_words_leave_the_header_one_row_and_every_tool_in_reach(browser, server):
-    for page in opened(browser, server, width=1280, height=720, view=False, locale="de-DE"):
+@pytest.mark.parametrize(("width", "height"), [(1280, 720), (1600, 1000)])
+def test_longer_words_leave_the_header_one_row_and_tools_in_reach(browser, server, width, height):
+    for page in opened(browser, server, width=width, height=height, view=False, locale="de-DE"):
         expect(page.locator("#stat-delay")).to_contain_text("ms")
         assert box(page, "header.bar")["height"] < 50
         handles = box(page, "#plots .handles")
