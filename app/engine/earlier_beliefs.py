@@ -40,7 +40,7 @@ class EarlierBeliefs:
             self.clear()
         else:
             self._beliefs.append(copy)
-            while len(self._beliefs) > 1 and sum(one.size for one in self._beliefs) > MOST_BYTES:
+            while len(self._beliefs) > 1 and sum(item.size for item in self._beliefs) > MOST_BYTES:
                 self._beliefs.popleft()
 
     def restore(self) -> Any:
