@@ -61,8 +61,8 @@ def _check_class(
     finally:
         workers.close()
     if "json" in parsed:
-        found = {item.name: as_json(item.results, language) | _told(item) for item in graded}
-        sys.stdout.write(json.dumps(found, indent=2, ensure_ascii=False) + "\n")
+        summary = {item.name: as_json(item.results, language) | _problem(item) for item in graded}
+        sys.stdout.write(json.dumps(summary, indent=2, ensure_ascii=False) + "\n")
     else:
         sys.stdout.write(as_table(graded, numbers, language))
     if "csv" in parsed:
@@ -70,7 +70,7 @@ def _check_class(
     return 0 if all(item.passed for item in graded) else 1
 
 
-def _told(item: Graded) -> dict[str, str]:
+def _problem(item: Graded) -> dict[str, str]:
     return {"problem": item.problem} if item.problem else {}
 
 

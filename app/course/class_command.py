@@ -57,16 +57,16 @@ def submissions(given: Sequence[Path]) -> list[Submission]:
     Raises:
         SettingError: there is none.
     """
-    found = []
+    result = []
     for path in given:
         if path.is_dir():
             files = sorted(item for item in path.rglob("*.py") if item.is_file())
-            found += [Submission(item.relative_to(path).as_posix(), item) for item in files]
+            result += [Submission(item.relative_to(path).as_posix(), item) for item in files]
         else:
-            found.append(Submission(path.as_posix(), path))
-    if not found:
+            result.append(Submission(path.as_posix(), path))
+    if not result:
         raise SettingError(f"{', '.join(map(str, given))}: there is no file that ends with .py")
-    return found
+    return result
 
 
 def grade_class(
