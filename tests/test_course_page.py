@@ -146,6 +146,28 @@ def test_at_twice_the_size_nothing_is_cut_off(page):
     assert page.locator("#reason").bounding_box()["x"] >= 0
 
 
+def test_the_figure_eight_of_a_lesson_goes_on_until_it_is_stopped(browser, address):
+    page = browser.new_page(locale="en-GB")
+    page.set_default_timeout(PATIENCE_MS)
+    page.on("websocket", lambda socket: socket.on("framesent", lambda text: sent.append(str(text))))
+    page.route(re.compile(r"//[^/]+/$"), lambda route: route.fulfill(body="<p>dashboard</p>"))
+    sent: list[str] = []
+    page.goto(address.replace("/learn/3", "/learn/1"))
+    page.locator("#choices input").first.check()
+    page.get_by_role("button", name="Keep my prediction").click()
+    page.get_by_role("button", name="drive the figure-eight").click()
+    page.wait_for_timeout(2000)
+    eights = sum('"figure_eight"' in text for text in sent)
+    page.get_by_role("button", name="stop", exact=True).click()
+    page.wait_for_timeout(300)
+    stopped = len(sent)
+    page.wait_for_timeout(1000)
+    assert eights > 10, "it is renewed; else the robot stands after a third of a second"
+    assert not any('"figure_eight"' in text for text in sent[stopped:])
+    expect(page.locator("#banner")).to_have_text("")
+    page.close()
+
+
 def test_a_link_of_another_site_puts_the_robot_nowhere_unasked(browser, address):
     page = browser.new_page(locale="en-GB")
     page.set_default_timeout(PATIENCE_MS)

@@ -6,6 +6,7 @@ import { sentence } from "../page/toasts.js";
 import { Connection } from "../wire/connection.js";
 import { getJson } from "../wire/http.js";
 import { Checks } from "./checks.js";
+import { LessonDrive } from "./drive.js";
 import { Editor } from "./editor.js";
 import { LessonList } from "./list.js";
 import { Prediction } from "./prediction.js";
@@ -30,20 +31,27 @@ const checks = new Checks(number, (passed, lines) => {
   editor.mark(lines);
 });
 const sections = new Sections(order);
+const drive = new LessonDrive(connection, order);
 
-findButton("stop").onclick = () => order({ type: "stop" });
+findButton("stop").onclick = () => drive.obey({ type: "stop" });
 document.addEventListener("click", (event) => {
   const button = event.target instanceof Element ? event.target.closest("[data-command]") : null;
-  if (button instanceof HTMLElement) order(JSON.parse(button.dataset.command ?? "{}"));
+  if (button instanceof HTMLElement) drive.obey(JSON.parse(button.dataset.command ?? "{}"));
 });
 
-/** Send a command to the robot; if it is refused, show why. @param {Command} command */
+/**
+ * Send a command to the robot; if it is refused, show why.
+ * @param {Command} command
+ * @returns {Promise<boolean>} whether it was taken
+ */
 async function order(command) {
   try {
     await connection.send(command);
     setText(banner, "");
+    return true;
   } catch (error) {
     setText(banner, sentence(error));
+    return false;
   }
 }
 
