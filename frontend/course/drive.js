@@ -5,10 +5,14 @@ import { OwnDrive } from "../drive/own_drive.js";
 /** @typedef {import("../messages").Command} Command */
 /** @typedef {import("../wire/connection.js").Connection} Connection */
 
+/** Telemetry that is older than a start may still tell of the stop before it [ms]. */
+const SETTLED_MS = 1000;
+
 /** The figure-eight that a lesson's button starts: renewed until somebody stops or drives otherwise. */
 export class LessonDrive {
   #drive;
   #eight;
+  #begun = -Infinity;
 
   /**
    * @param {Connection} connection
@@ -21,17 +25,18 @@ export class LessonDrive {
       () => {},
     );
     this.#eight = new OwnDrive(this.#drive, order, "figure_eight");
-    connection.onTelemetry(({ mode, driver: { name, mine } }) => {
+    connection.onTelemetry(({ driver: { name, mine, stopped } }) => {
       this.#drive.follow(mine ? null : name);
-      this.#eight.follow(mode === "figure_eight");
+      if (stopped && performance.now() - this.#begun > SETTLED_MS) this.#drive.disconnect();
     });
     connection.onState((state) => state === "lost" && this.#drive.disconnect());
   }
 
   /** Carry out a command of a button. @param {Command} command */
-  obey(command) {
-    if (command.type === "figure_eight") return this.#eight.begin();
+  async obey(command) {
     if (command.type === "stop") this.#drive.disconnect();
-    return this.order(command);
+    if (command.type !== "figure_eight") return this.order(command);
+    await this.#eight.begin();
+    this.#begun = performance.now();
   }
 }
