@@ -8,6 +8,7 @@ from xml.etree import ElementTree
 import pytest
 from course.correct import CORRECT
 from course.mistakes import CODES, WRITINGS, pairs, written
+from course.slips import SLIPS
 from course.solutions import ARRAYS, BASES
 from grader_trials import mutants
 
@@ -39,6 +40,12 @@ def test_a_mistake_is_named(code):
     assert [finding.cause for finding in result.findings][:1] == [code]
     finding = result.findings[0].to_json()
     assert all(finding[key] for key in ("symptom", "case", "seems", "next", "link"))
+
+
+@pytest.mark.parametrize(("cause", "number", "changes"), SLIPS)
+def test_a_beginners_slip_is_named(cause, number, changes):
+    result = grade(written("arrays", tuple(changes)), "mine.py", lesson_of(number))
+    assert [finding.cause for finding in result.findings][:1] == [cause]
 
 
 @pytest.mark.parametrize("number", range(1, 9))

@@ -113,7 +113,7 @@ def _named(lesson: Lesson, checks: Checks, measured: Sequence[Measured]) -> Iter
 def _explained(lesson: Lesson, checks: Checks, diagnosis: Diagnosis) -> Finding:
     measured = diagnosis.measured
     compared = diagnosis.note or Words(
-        "Due: {due}. Your code: {given}.",
+        "Expected: {due}. Your code: {given}.",
         {
             "due": checks.show(measured.case, measured.expected),
             "given": checks.show(measured.case, measured.given),
@@ -155,7 +155,9 @@ def _altered(lesson: Lesson, measured: Iterable[Measured]) -> Iterator[Finding]:
 
 
 def _failure(lesson: Lesson, error: StudentError, case: Case | None = None) -> Finding:
-    cause = cause_of("stopped" if error.fatal else "error")
+    code = "stopped" if error.fatal else "error"
+    code = "not-written" if str(error).startswith("NotImplementedError") else code
+    cause = cause_of(code)
     function = lesson.checks.functions[0] if case is None else case.function
     where = Words("line {line}:", {"line": error.line})
     complaint = Words(
@@ -169,7 +171,7 @@ def _failure(lesson: Lesson, error: StudentError, case: Case | None = None) -> F
     return Finding(
         lesson.number,
         function,
-        "stopped" if error.fatal else "error",
+        code,
         Words(cause.symptom),
         words,
         Words(cause.seems),

@@ -1,5 +1,5 @@
 // @ts-check
-import { find, make } from "../page/elements.js";
+import { find, make, setText } from "../page/elements.js";
 import { t } from "../page/language.js";
 
 const KEY = "brickpose-passed";
@@ -18,6 +18,7 @@ export class LessonList {
   show(lessons) {
     this.lessons = lessons;
     this.list.replaceChildren(...lessons.map((lesson) => this.#entry(lesson)));
+    this.#showNext();
   }
 
   /** Note that a lesson has passed. @param {number} number */
@@ -26,6 +27,16 @@ export class LessonList {
     if (passed.has(number)) return;
     localStorage.setItem(KEY, JSON.stringify([...passed, number]));
     this.show(this.lessons);
+  }
+
+  /** A way on to the next lesson, as soon as this one has passed. */
+  #showNext() {
+    const next = this.lessons[this.lessons.findIndex(({ number }) => number === this.current) + 1];
+    find("next", HTMLElement).hidden = !next || !this.#passed().has(this.current);
+    if (!next) return;
+    const link = find("next-link", HTMLAnchorElement);
+    link.href = `/learn/${next.number}`;
+    setText(link, t("Next: {number}. {title}", next));
   }
 
   /** @param {{number: number, title: string}} lesson */

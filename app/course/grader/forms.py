@@ -66,13 +66,18 @@ def headings_apart(poses: Array) -> Array:
     return np.column_stack([x, y, np.cos(theta), np.sin(theta)])
 
 
+SURELY_DEGREES = 30.0
+"""No heading in radians is as large by a forgotten wrap alone."""
+
+
 def heading_sign(outcome: Outcome, poses: Array) -> Iterator[Sign]:
-    """Yield E2 if a heading of poses (n, 3) lies outside of -pi to pi."""
+    """Yield E2 if a heading of poses (n, 3) lies outside of -pi to pi; S4 if it is in degrees."""
     wrong = poses[np.abs(poses[:, 2]) > math.pi + 1e-9]
     if len(wrong):
         text = "The heading is given as {heading} rad; -π to π is due."
         note = Words(text, {"heading": f"{wrong[0, 2]:.3f}"})
-        yield Sign("E2", outcome, apart=True, note=note)
+        degrees = np.abs(wrong[:, 2]).max() > SURELY_DEGREES
+        yield Sign("S4" if degrees else "E2", outcome, apart=True, note=note)
 
 
 def generator_signs(outcome: Outcome, results: Sequence[NDArray[Any]]) -> Iterator[Sign]:
@@ -87,5 +92,5 @@ def generator_signs(outcome: Outcome, results: Sequence[NDArray[Any]]) -> Iterat
         note = Words("The same seed gives two different results: the chance is not rng's.")
         yield Sign("generator", outcome, apart=True, note=note)
     elif all(np.array_equal(first, other) for other in others):
-        note = Words("Each seed gives the same result: the chance is not rng's.")
-        yield Sign("generator", outcome, apart=True, note=note)
+        note = Words("Each seed gives the same result: nothing is drawn from rng.")
+        yield Sign("no-chance", outcome, apart=True, note=note)

@@ -26,6 +26,11 @@ ANY = {
         "The function does not get to its return.",
         "Read the error's last line, then look at the line that it names.",
     ),
+    "not-written": Cause(
+        "This function is not written yet.",
+        "It still raises NotImplementedError, as its stub does.",
+        "Write it, and take that line out.",
+    ),
     "stopped": Cause(
         "The function had to be stopped.",
         "It does something that no lesson needs, or does not end.",

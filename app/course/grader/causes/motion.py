@@ -24,7 +24,7 @@ MOTION = {
         "For a step backwards, let the way be negative and the first rotation small.",
     ),
     "M4": Cause(
-        "The cloud wanders while the robot turns on the spot.",
+        "The robot wanders off while it turns on the spot.",
         "A turn on the spot moves x and y.",
         "One wheel rolls ahead and the other back: what does the middle between them do? Mind the "
         "signs.",
@@ -44,6 +44,11 @@ MOTION = {
         "The robot goes too far, or not far enough.",
         "The way of the robot's middle is not the mean of both wheels' ways.",
         "Let both wheels roll 30 mm: how far does the middle go?",
+    ),
+    "brackets": Cause(
+        "The numbers have the wrong size.",
+        "Only a part of a sum or of a difference is divided.",
+        "Without brackets a + b / c is a + (b / c). What is to be divided as a whole?",
     ),
     "turn-sign": Cause(
         "The robot turns the wrong way.",
@@ -70,6 +75,16 @@ MOTION = {
         "One of the two rotations is left out.",
         "A step is a rotation, a way and another rotation; the heading takes both rotations.",
     ),
+    "second-turn": Cause(
+        "Headings are wrong after an arc.",
+        "The second rotation is the whole turn, though the first one was a part of it.",
+        "Both rotations together are the turn: how much is left after the first?",
+    ),
+    "variances": Cause(
+        "The cloud has another size than the motion's noise makes.",
+        "One of the three variances is another sum than in the stub.",
+        "Compare them with the stub, term by term: what is squared, and what is added?",
+    ),
     "variance": Cause(
         "The cloud is far too narrow, or far too wide.",
         "A variance is used as a standard deviation.",
@@ -79,7 +94,8 @@ MOTION = {
     "alphas": Cause(
         "The cloud spreads in the wrong direction.",
         "The alphas stand at the wrong places.",
-        "alpha1 and alpha2 make the noise of rotations, alpha3 and alpha4 that of the way.",
+        "alpha1 and alpha2 make the noise of rotations, alpha3 and alpha4 that of the way; alpha1 "
+        "and alpha4 go with rotations squared, alpha2 and alpha3 with the way squared.",
     ),
     "noise-form": Cause(
         "The cloud is shifted, or has sharp ends.",

@@ -23,12 +23,14 @@ SENSOR = {
     "S4": Cause(
         "It moves, but nothing ever fits.",
         "Degrees are taken for radians, or radians for degrees.",
-        "Cosine and sine want radians. Which of your angles are in degrees? np.radians turns them.",
+        "Cosine and sine want radians, and headings and bearings are radians. Which of your angles "
+        "are in degrees?",
     ),
     "S5": Cause(
         "The cloud is shifted by a constant.",
-        "The map's origin is ignored.",
-        "The first cell lies at field.origin (the field's corner at extent), not at (0, 0).",
+        "The place where the field begins is ignored.",
+        "The first cell lies at field.origin, and the field's corner at left and bottom of the "
+        "extent; neither is (0, 0).",
     ),
     "S6": Cause(
         "The heading makes no difference: particles look anywhere.",
@@ -43,7 +45,7 @@ SENSOR = {
     "S8": Cause(
         "The cloud collapses at once, often in a wrong place.",
         "Sigma is too small: the bell curve is narrower than the one that was asked for.",
-        "Compare the exponent with distance² / (2 sigma²), character by character.",
+        "Compare the exponent with distance² / (2 sigma²), character by character, brackets too.",
     ),
     "S9": Cause(
         "The estimate is off by some centimetres, in a direction that turns with the robot.",
@@ -57,7 +59,7 @@ SENSOR = {
     ),
     "outliers": Cause(
         "One ray that sees a shoe throws out the best particle.",
-        "The 0.05 for rays that end anywhere is missing.",
+        "The 0.05 for rays that end anywhere is missing, or inside the exponential.",
         "Each ray's likelihood is 0.95 times the bell curve, plus 0.05.",
     ),
     "density": Cause(
@@ -93,11 +95,16 @@ SENSOR = {
     "sigma": Cause(
         "The cloud stays too wide.",
         "Sigma is larger than the one that was asked for.",
-        "Compare the exponent with distance² / (2 sigma²), character by character.",
+        "Compare the exponent with distance² / (2 sigma²), character by character, brackets too.",
     ),
     "bearing-sign": Cause(
         "Left and right of the robot are exchanged.",
         "Bearings are subtracted from the heading.",
+        "Bearings grow anticlockwise, as headings do: add them.",
+    ),
+    "heading-sign": Cause(
+        "A particle that looks left counts as one that looks right.",
+        "The heading is subtracted from the bearings.",
         "Bearings grow anticlockwise, as headings do: add them.",
     ),
     "place-lost": Cause(
@@ -124,6 +131,31 @@ SENSOR = {
         "The sky becomes tape behind the robot.",
         "A ray that does not fall is followed to the floor all the same.",
         "If the ray points upwards, return math.inf as the range.",
+    ),
+    "horizon-early": Cause(
+        "Far floor counts as sky.",
+        "The horizon is put into the middle of the picture.",
+        "The camera looks down: its horizon lies above the middle, where a ray stops falling.",
+    ),
+    "rotation": Cause(
+        "The picture's middle is right, but not what lies above or below it.",
+        "A sign is wrong where the ray is turned by the tilt.",
+        "A ray through a lower pixel falls faster. Does it also go farther ahead, or less far?",
+    ),
+    "side": Cause(
+        "What is seen at the side lies at a wrong place.",
+        "The part of the ray to the side is not made longer by the same factor as the others.",
+        "A ray that becomes three times as long goes three times as far to the side, too.",
+    ),
+    "offset-late": Cause(
+        "Straight ahead all is right, to the side it is not.",
+        "The camera's place is added to the range, not to the way ahead.",
+        "First the point on the floor, seen from the axle: x and y. Then its bearing and range.",
+    ),
+    "exchanged": Cause(
+        "Ranges are small, and bearings make no sense.",
+        "Bearing and range are exchanged in what is returned.",
+        "Compare what you return with the stub's description.",
     ),
     "slant": Cause(
         "Ranges are too long nearby, or too short at the sides.",

@@ -49,11 +49,11 @@ def cases(seed: int) -> list[Case]:
 def _case(start: Array, step: tuple[str, str, float, float], track: float) -> Case:
     kind, text, left, right = step
     words = Words(
-        "{step} It starts at x {x} m, y {y} m, heading {heading}°; track {track} mm.",
+        "{step} It starts at x {x} mm, y {y} mm, heading {heading}°; track {track} mm.",
         {
             "step": Words(text, {"left": _mm(left), "right": _mm(right)}),
-            "x": round(start[0], 2),
-            "y": round(start[1], 2),
+            "x": _mm(start[0]),
+            "y": _mm(start[1]),
             "heading": round(math.degrees(start[2]), 1),
             "track": _mm(track),
         },
@@ -70,6 +70,7 @@ def expected(case: Case, mistakes: frozenset[str]) -> Array:
     """The pose that a formula with mistakes gives."""
     pose, left, right, track = case.arguments
     way, turn = _way(left, right, mistakes), (right - left) / track
+    turn = right - left / track if "right-whole" in mistakes else turn
     turn *= next((share for name, share in TURNS.items() if name in mistakes), 1.0)
     ahead = next((share for name, share in DIRECTIONS.items() if name in mistakes), 0.5)
     direction = pose[2] + ahead * turn
@@ -93,6 +94,7 @@ WAYS: dict[str, Callable[[float, float], float]] = {
     "larger": lambda left, right: max(left, right, key=abs),
     "twice": lambda left, right: left + right,
     "difference": lambda left, right: (right - left) / 2,
+    "left-whole": lambda left, right: left + right / 2,
 }
 TURNS = {
     "other-way": -1.0,
@@ -168,6 +170,8 @@ CHECKS = Checks(
         *(Hypothesis(name, "M4", frozenset(WAYS)) for name in list(WAYS)[:4]),
         Hypothesis("twice", "way"),
         Hypothesis("difference", "way"),
+        Hypothesis("left-whole", "brackets", frozenset(WAYS)),
+        Hypothesis("right-whole", "brackets", frozenset(TURNS)),
         Hypothesis("other-way", "turn-sign", frozenset(TURNS)),
         Hypothesis("half-turn", "track", frozenset(TURNS)),
         Hypothesis("double-turn", "track", frozenset(TURNS)),

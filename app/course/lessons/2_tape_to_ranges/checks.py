@@ -85,10 +85,13 @@ def expected(case: Case, mistakes: frozenset[str]) -> Array:
     tilt = math.pi / 2 - tilt if "from-below" in mistakes else tilt
     c, s = math.cos(tilt), math.sin(tilt)
     fall = s + c * down
+    if "horizon-early" in mistakes and v < camera.v0:
+        return FAR
     if abs(fall) < 1e-12 or (fall < 0 and "horizon" not in mistakes):
         return FAR
     scale = camera.height / fall
-    x, y = scale * (c - s * down), -scale * right
+    ahead = c + s * down if "turned-back" in mistakes else c - s * down
+    x, y = scale * ahead, -right if "side-short" in mistakes else -scale * right
     if "mirrored" in mistakes:
         y = -y
     offsets = {"no-offset": 0.0, "backwards": -camera.forward}
@@ -98,6 +101,11 @@ def expected(case: Case, mistakes: frozenset[str]) -> Array:
     if "bearing-in-degrees" in mistakes:
         bearing = math.degrees(bearing)
     far = x if "only-ahead" in mistakes else math.sqrt(x * x + y * y + slant * slant)
+    if "offset-late" in mistakes:
+        x -= camera.forward
+        bearing, far = math.atan2(y, x), math.hypot(x, y) + camera.forward
+    if "exchanged" in mistakes:
+        bearing, far = far, bearing
     return np.array([bearing, far]) + 0.0
 
 
@@ -141,7 +149,7 @@ def picture(outcome: Outcome, due: Array, given: Array) -> str:
 
 
 OFFSETS, TILTS = (
-    frozenset(["no-offset", "backwards"]),
+    frozenset(["no-offset", "backwards", "offset-late"]),
     frozenset(["tilt-in-degrees", "tilt-to-degrees", "tilted-up", "level", "from-below"]),
 )
 CHECKS = Checks(
@@ -166,6 +174,11 @@ CHECKS = Checks(
         Hypothesis("no-focal-length", "focal"),
         Hypothesis("swapped", "arctan"),
         Hypothesis("only-ahead", "slant"),
+        Hypothesis("offset-late", "offset-late", OFFSETS),
+        Hypothesis("turned-back", "rotation"),
+        Hypothesis("side-short", "side"),
+        Hypothesis("horizon-early", "horizon-early", frozenset(["horizon"])),
+        Hypothesis("exchanged", "exchanged"),
     ),
     signs=signs,
     show=show,

@@ -120,6 +120,8 @@ def _ends(
     if "bearings-as-degrees" in mistakes:
         bearings = np.radians(bearings)
     angles = headings - bearings if "bearing-subtracted" in mistakes else headings + bearings
+    if "heading-subtracted" in mistakes:
+        angles = bearings - headings
     if "angles-as-degrees" in mistakes:
         angles = np.radians(angles)
     x, y = ranges * np.cos(angles), ranges * np.sin(angles)
@@ -149,7 +151,7 @@ def _distances(x: Array, y: Array, field: SimpleNamespace, mistakes: frozenset[s
 
 NARROW = {"half-left-out": 0.5**0.5, "half": 0.5, "tenth": 0.1, "hundredth": 0.01, "mm": 0.001}
 NARROW |= {"fourth-power": SIGMA, "third-power": SIGMA**0.5}
-WIDE = {"first-power": SIGMA**-0.5, "twice": 2.0}
+WIDE = {"first-power": SIGMA**-0.5, "twice": 2.0, "multiplied": SIGMA**-2}
 WIDTHS = NARROW | WIDE
 """How wide the bell curve becomes, in sigmas."""
 
@@ -163,9 +165,13 @@ def _weight(away: Array, sigma: float, mistakes: frozenset[str]) -> Array:
     sign = 1.0 if "sign" in mistakes else -1.0
     square = away if "no-square" in mistakes else away**2
     fit = np.exp(sign * square / (2 * width**2))
+    if "outliers-inside" in mistakes:
+        fit = fit * math.exp(RANDOM) - RANDOM / HIT
     likelihood = fit if "no-outliers" in mistakes or "product" in mistakes else HIT * fit + RANDOM
     if "normal-density" in mistakes:
         likelihood = HIT * fit / math.sqrt(2 * math.pi * width**2) + RANDOM
+    if "only-hits" in mistakes:
+        return _joined(HIT * fit, mistakes)
     if "no-outliers" in mistakes:
         total: Array = sign * (square / (2 * width**2)).sum(axis=1)
         return total
@@ -247,9 +253,9 @@ def _narrow(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
         shares = (np.exp(given) - RANDOM) / HIT
         clear = (shares > 1e-6) & (shares < 1)
         widths = away[clear] / np.sqrt(-2 * np.log(shares[clear]))
-        width = widths.mean() if clear.any() else 1e-9
+        width = widths.mean() if clear.any() else SIGMA
         fits = np.abs(shares - np.exp(-((away / width) ** 2) / 2)) < 1e-5
-    if rays and width < 0.97 * SIGMA and fits.all():
+    if clear.any() and width < 0.97 * SIGMA and fits.all():
         yield Sign("S8", rays[0])
 
 
@@ -294,7 +300,7 @@ CHECKS = Checks(
         *(Hypothesis(name, "S1", JOINTS, "many") for name in PRODUCTS),
         Hypothesis("plain", "no-logarithm", JOINTS),
         *(Hypothesis(f"{name}-as-degrees", "S4") for name in ("heading", "bearings", "angles")),
-        Hypothesis("no-outliers", "outliers"),
+        *(Hypothesis(name, "outliers") for name in ("no-outliers", "only-hits", "outliers-inside")),
         Hypothesis("normal-density", "density"),
         Hypothesis("rows", "rows"),
         Hypothesis("rounded", "half-cell"),
@@ -304,6 +310,7 @@ CHECKS = Checks(
         Hypothesis("far-away", "no-return", kind="no-return"),
         Hypothesis("no-square", "square"),
         Hypothesis("bearing-subtracted", "bearing-sign"),
+        Hypothesis("heading-subtracted", "heading-sign"),
         Hypothesis("place-lost", "place-lost"),
     ),
     signs=signs,

@@ -131,9 +131,8 @@ def _sampled(
     """Sample the odometry motion model (Probabilistic Robotics, Table 5.6), with mistakes."""
     dx, dy, turn = moved
     back = dx < 0 and "reverse-turns" not in mistakes
-    way = -math.hypot(dx, dy) if back else math.hypot(dx, dy)
-    rot1 = math.atan2(-dy, -dx) if back else math.atan2(dy, dx)
-    rot2 = wrap_angle(turn - rot1)
+    way, rot1 = _first_part(dx, dy, mistakes, back=back)
+    rot2 = wrap_angle(turn if "whole-turn" in mistakes else turn - rot1)
     way_hat, rot1_hat, rot2_hat = _noisy((way, rot1, rot2), alphas, len(poses), mistakes, seed)
     if "spin-moves" in mistakes:
         way_hat = way_hat + 0.05 * abs(turn)
@@ -155,6 +154,16 @@ def _sampled(
     return np.column_stack([poses[:, 0] + x, poses[:, 1] + y, theta])
 
 
+def _first_part(
+    dx: float, dy: float, mistakes: frozenset[str], *, back: bool
+) -> tuple[float, float]:
+    """Return the way and the rotation towards the step's end."""
+    way, rot1 = math.hypot(dx, dy), math.atan2(dy, dx)
+    if "direction-swapped" in mistakes:
+        rot1 = math.atan2(dx, dy)
+    return (-way, math.atan2(-dy, -dx)) if back else (way, rot1)
+
+
 def _noisy(
     step: tuple[float, float, float],
     alphas: Array,
@@ -164,13 +173,29 @@ def _noisy(
 ) -> tuple[Array, Array, Array]:
     way, rot1, rot2 = step
     a1, a2, a3, a4 = _alphas(alphas, mistakes)
+    turned_square = rot1**2 + rot2**2
+    if "first-alone" in mistakes:
+        turned_square = rot1**2
+    if "second-alone" in mistakes:
+        turned_square = rot2**2
+    if "sum-squared" in mistakes:
+        turned_square = (rot1 + rot2) ** 2
     variances = np.array(
         [
-            a3 * way**2 + a4 * (rot1**2 + rot2**2),
+            a3 * way**2 + a4 * turned_square,
             a1 * rot1**2 + a2 * way**2,
             a1 * rot2**2 + a2 * way**2,
         ]
     )
+    if "unsquared" in mistakes:
+        turned = abs(rot1) + abs(rot2)
+        variances = np.array(
+            [
+                a3 * abs(way) + a4 * turned,
+                a1 * abs(rot1) + a2 * abs(way),
+                a1 * abs(rot2) + a2 * abs(way),
+            ]
+        )
     deviations = variances if "variance" in mistakes else np.sqrt(variances)
     if "absolute" in mistakes:
         turned = abs(rot1) + abs(rot2)
@@ -185,6 +210,8 @@ def _noisy(
     noise = rng.standard_normal((3, count))
     if "uniform" in mistakes:
         noise = rng.uniform(-1, 1, (3, count))
+    if "from-zero" in mistakes:
+        noise = rng.random((3, count))
     if "same-draw" in mistakes:
         noise[:] = noise[0]
     if "positive" in mistakes:
@@ -198,6 +225,10 @@ def _alphas(alphas: Array, mistakes: frozenset[str]) -> Array:
         return NOISELESS
     if "alphas-swapped" in mistakes:
         return alphas[[2, 3, 0, 1]]
+    if "first-two-swapped" in mistakes:
+        return alphas[[1, 0, 2, 3]]
+    if "last-two-swapped" in mistakes:
+        return alphas[[0, 1, 3, 2]]
     return alphas
 
 
@@ -268,7 +299,11 @@ def situation(case: Case) -> dict[str, float]:
 
 
 ANGLES = frozenset(["new-heading", "old-heading"])
-SIZES = frozenset(["variance", "absolute", "no-noise", "uniform", "alphas-swapped", "positive"])
+SWAPS = ("alphas-swapped", "first-two-swapped", "last-two-swapped")
+SUMS = ("first-alone", "second-alone", "sum-squared", "unsquared")
+SIZES = frozenset(
+    ["variance", "absolute", "no-noise", "uniform", "positive", "from-zero", *SWAPS, *SUMS]
+)
 CHECKS = Checks(
     functions=("motion",),
     cases=cases,
@@ -283,11 +318,15 @@ CHECKS = Checks(
         Hypothesis("degrees", "S4"),
         Hypothesis("variance", "variance", SIZES),
         Hypothesis("absolute", "alphas", SIZES),
-        Hypothesis("alphas-swapped", "alphas", SIZES),
+        *(Hypothesis(name, "alphas", SIZES) for name in SWAPS),
+        *(Hypothesis(name, "variances", SIZES) for name in SUMS),
         Hypothesis("uniform", "noise-form", SIZES),
         Hypothesis("positive", "noise-form", SIZES),
+        Hypothesis("from-zero", "noise-form", SIZES),
         Hypothesis("same-draw", "same-draw", kind="turn"),
         Hypothesis("one-rotation", "rotation-lost"),
+        Hypothesis("whole-turn", "second-turn"),
+        Hypothesis("direction-swapped", "arctan"),
         Hypothesis("sine-first", "sine"),
     ),
     signs=signs,

@@ -117,21 +117,43 @@ RULES: dict[str, Callable[[Array], Array]] = {
 def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
     """What shows by itself: weights that come back, shared memory, survivors without weight."""
     for outcome in outcomes:
-        if outcome.answers[0].linked or outcome.answers[0].shared:
+        if outcome.answers[0].linked:
             yield Sign("R3", outcome, apart=True, note=SHARED)
         yield from _weights(outcome)
         if outcome.case.kind == "seeds":
             draws = [_drawn(answer, outcome.case) for answer in outcome.answers]
             yield from generator_signs(outcome, draws)
-    for outcome in outcomes:
-        drawn = np.concatenate([_drawn(answer, outcome.case) for answer in outcome.answers])
-        if (drawn == UNLIKE).any():
-            yield Sign("invented", outcome)
-        elif (outcome.case.arguments[1][drawn] == 0).any() and not outcome.answers[0].shared:
-            yield Sign("R4", outcome)
+    yield from _survivors(outcomes)
 
 
 SHARED = Words("Two of the particles that come back are one and the same in memory.")
+
+
+def _survivors(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
+    """Name survivors that have nothing to do with the weights, or not enough."""
+    many = [item for item in outcomes if item.case.kind == "many"]
+    if many and all(np.abs(features(item) - 1).max() < LIKELY / DRAWS**0.5 for item in many):
+        yield Sign("weights-ignored", many[0])
+        return
+    wrong: list[tuple[Outcome, bool]] = []
+    for outcome in outcomes:
+        drawn = np.concatenate([_drawn(answer, outcome.case) for answer in outcome.answers])
+        weightless = (outcome.case.arguments[1][drawn] == 0).sum()
+        if (drawn == UNLIKE).any():
+            yield Sign("invented", outcome)
+        elif weightless and not outcome.answers[0].shared:
+            wrong.append((outcome, weightless <= len(outcome.answers) or _beside(outcome, drawn)))
+    if wrong:
+        yield Sign("R4" if all(near for _, near in wrong) else "line", wrong[0][0])
+
+
+def _beside(outcome: Outcome, drawn: Indices) -> bool:
+    """Return whether all survivors are the one that has all the weight, or sit beside it."""
+    if outcome.case.kind != "sole":
+        return True  # what is beside what cannot be told
+    count = len(outcome.case.arguments[1])
+    apart = (drawn - int(outcome.case.arguments[1].argmax())) % count
+    return bool(np.isin(apart, (0, 1, count - 1)).all())
 
 
 def _weights(outcome: Outcome) -> Iterator[Sign]:

@@ -177,7 +177,7 @@ def _loop(
     parts: Recorder,
     mistakes: frozenset[str],
 ) -> tuple[Array, Array]:
-    standing = math.hypot(moved[0], moved[1]) < STILL_M and abs(moved[2]) < STILL_RAD
+    standing = _stands(moved, mistakes)
     if standing and "only-motion-stands" not in mistakes and "updates" not in mistakes:
         return poses, weights
     before = poses
@@ -185,13 +185,30 @@ def _loop(
         poses = parts.motion(poses, moved)
     if "motion-lost" in mistakes:
         poses = before
+    if "draws-first" in mistakes:
+        poses, weights = parts.resample(poses, weights)
     fits = parts.log_weight(before if "weighs-first" in mistakes else poses, scan)
     fits = fits - (0.0 if "underflow" in mistakes else fits.max())
     prior = np.full(len(poses), 1 / len(poses)) if "prior-lost" in mistakes else weights
-    weights = prior + fits if "no-exponential" in mistakes else prior * np.exp(fits)
+    weights = prior * np.exp(fits)
+    if "no-exponential" in mistakes:
+        weights = prior + fits
+    if "log-times" in mistakes:
+        weights = prior * parts.log_weight(poses, scan)
+    if "added" in mistakes:
+        weights = prior + np.exp(fits)
     if "not-normalized" not in mistakes:
         weights = weights / weights.sum()
     return _survivors(poses, weights, parts, mistakes)
+
+
+def _stands(moved: Array, mistakes: frozenset[str]) -> bool:
+    dx, dy, turn = moved
+    short = (dx if "ahead-alone" in mistakes else math.hypot(dx, dy)) < STILL_M
+    straight = (turn if "signed" in mistakes else abs(turn)) < STILL_RAD
+    if "either" in mistakes:
+        return bool(short or straight)
+    return bool(short and (straight or "way-alone" in mistakes))
 
 
 def _survivors(
@@ -208,6 +225,8 @@ def _survivors(
     if not wanted:
         return poses, weights
     drawn, even = parts.resample(poses, weights)
+    if "survivors-lost" in mistakes:
+        return poses, weights
     return drawn, weights if "weights-kept" in mistakes else even
 
 
@@ -219,9 +238,9 @@ def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
         given, due = features(outcome), expected(outcome.case, REFERENCE)
         if outcome.case.kind == "stand" and np.abs(given[:4] - due[:4]).max() > 1e-9:
             yield Sign("R5", outcome)
-        if outcome.case.kind == "low" and not np.isfinite(given[:4]).all():
+        if not np.isfinite(given[:4]).all():
             yield Sign("S1", outcome)
-        if outcome.case.kind == "flat" and np.ptp(given[:4]) < 1e-9:
+        if outcome.case.kind == "flat" and np.ptp(given[:4]) < 1e-9 and not given[-1]:
             yield Sign("R6", outcome)
 
 
@@ -244,6 +263,7 @@ def picture(outcome: Outcome, due: Array, given: Array) -> str:
 
 
 TIMES = frozenset(["never-resamples", "always-resamples", "the-other-way"])
+STANDS = ("either", "way-alone", "signed", "ahead-alone")
 CHECKS = Checks(
     functions=("loop",),
     cases=cases,
@@ -259,9 +279,14 @@ CHECKS = Checks(
         Hypothesis("motion-lost", "motion-lost", frozenset(["weighs-first"])),
         Hypothesis("not-normalized", "not-normalized"),
         Hypothesis("no-exponential", "exponential"),
+        Hypothesis("log-times", "exponential"),
+        Hypothesis("added", "added"),
         Hypothesis("never-resamples", "no-resampling", TIMES),
         Hypothesis("always-resamples", "resampling-always", TIMES),
         Hypothesis("the-other-way", "resampling-reversed", TIMES),
+        Hypothesis("survivors-lost", "survivors-lost"),
+        Hypothesis("draws-first", "resampling-early"),
+        *(Hypothesis(name, "standing", frozenset(STANDS)) for name in STANDS),
     ),
     signs=signs,
     show=show,

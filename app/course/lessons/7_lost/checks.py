@@ -146,27 +146,38 @@ def _spread(extent: Array, mistakes: frozenset[str]) -> Array | None:
         low[2], high[2] = -1.0, 1.0
     if "heading-zero" in mistakes:
         low[2] = high[2] = 0.0
-    return rng.uniform(low, high, (COUNT, 3)) if mistakes & STARTS else None
+    if "right-as-width" in mistakes:
+        high[:2] = [left + right, bottom + top]
+    if "pairs" in mistakes:
+        low[:2], high[:2] = [left, right], [bottom, top]
+    shares = rng.random((COUNT, 3))
+    if "diagonal" in mistakes:
+        shares[:, 1] = shares[:, 0]
+    return low + shares * np.subtract(high, low) if mistakes & STARTS else None
 
 
 def _mean(poses: Array, weights: Array, mistakes: frozenset[str]) -> Array:
-    best = poses[weights.argmax()]
+    heaviest = weights.argmin() if "lightest" in mistakes else weights.argmax()
+    best = poses[0 if "first" in mistakes else heaviest]
     offsets = poses - best
     if "not-wrapped" not in mistakes:
         offsets[:, 2] = wrap_angle(offsets[:, 2])
     near = np.hypot(offsets[:, 0], offsets[:, 1]) < NEAR_M
     if "headings-apart" not in mistakes:
-        near &= np.abs(offsets[:, 2]) < NEAR_RAD
+        turns = offsets[:, 2] if "one-way" in mistakes else np.abs(offsets[:, 2])
+        near &= turns < NEAR_RAD
     if "all" in mistakes:
         near[:] = True
     if "best" in mistakes:
         return np.array(best)
     share = near if "unweighted" in mistakes else weights * near
-    share = share / share.sum()
+    share = share if "not-shared" in mistakes else share / share.sum()
     if "plain-mean" in mistakes:
         mean: Array = share @ poses
         return mean
     toward = share @ np.exp(1j * poses[:, 2])
+    if "swapped" in mistakes:
+        toward = toward.imag + 1j * toward.real
     return np.array([*(share @ poses[:, :2]), math.atan2(toward.imag, toward.real)])
 
 
@@ -218,7 +229,12 @@ def picture(outcome: Outcome, due: Array, given: Array) -> str:
     return str(drawing)
 
 
-STARTS = frozenset(["from-zero", "size-from-zero", "half-circle", "heading-small", "heading-zero"])
+STARTS = frozenset(
+    {
+        *("from-zero", "size-from-zero", "right-as-width", "pairs", "diagonal"),
+        *("half-circle", "heading-small", "heading-zero"),
+    }
+)
 CHECKS = Checks(
     functions=("init", "estimate"),
     cases=cases,
@@ -229,7 +245,15 @@ CHECKS = Checks(
         Hypothesis("not-wrapped", "E2", kind="around"),
         Hypothesis("all", "middle", kind="places"),
         Hypothesis("headings-apart", "middle", kind="places"),
+        Hypothesis("one-way", "middle"),
         Hypothesis("best", "best-only"),
+        Hypothesis("lightest", "heaviest"),
+        Hypothesis("first", "heaviest"),
+        Hypothesis("not-shared", "shares"),
+        Hypothesis("swapped", "arctan"),
+        Hypothesis("right-as-width", "field-size", STARTS),
+        Hypothesis("pairs", "field-size", STARTS),
+        Hypothesis("diagonal", "diagonal", STARTS),
         Hypothesis("unweighted", "weights-ignored"),
         Hypothesis("from-zero", "S5", STARTS),
         Hypothesis("size-from-zero", "S5", STARTS),

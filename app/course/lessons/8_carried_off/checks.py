@@ -150,6 +150,7 @@ def expected(case: Case, mistakes: frozenset[str]) -> Array:
         share = 1 - fit
     else:
         share = 1 - fast / slow
+    share = _otherwise(share, slow, fast, fit, mistakes)
     share = next((rule for name, rule in SHARES.items() if name in mistakes), share)
     kept = (memory.slow, memory.fast) if "memory-kept" in mistakes else (slow, fast)
     share = float(np.clip(share, 0.0, 1.0))
@@ -161,6 +162,21 @@ def expected(case: Case, mistakes: frozenset[str]) -> Array:
     return np.array([share, *kept, place, 0.0])
 
 
+def _otherwise(
+    share: float, slow: float, fast: float, fit: float, mistakes: frozenset[str]
+) -> float:
+    """Return the share by another rule, if it is a mistake of these."""
+    rules = {
+        "either-way": abs(share),
+        "upside-down": 1 - share,
+        "difference": slow - fast,
+        "newest": 1 - fit / slow,
+        "all-if-any": float(share > 0),
+    }
+    return next((rule for name, rule in rules.items() if name in mistakes), share)
+
+
+RULES = ("either-way", "upside-down", "difference", "newest")
 SHARES = {"never": 0.0, "always": 0.1, "all": 1.0}
 
 
@@ -172,15 +188,36 @@ def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
         values = features(outcome)
         if values[4] > 0:
             yield Sign("invented", outcome)
-        if outcome.case.kind == "seeds" and values[0] > 0:
+        if outcome.case.kind == "seeds" and 0 < values[0] < 1:
             yield from generator_signs(
                 outcome, [np.asarray(answer.result) for answer in outcome.answers]
             )
+    worse = [item for item in outcomes if item.case.kind == "worse"]
+    shares = [features(item)[0] for item in worse]
+    if shares and set(shares) <= {0.0, 1.0} and any(shares):
+        yield Sign("all-new", worse[shares.index(1.0)])
+    for item in worse:
+        places = np.asarray(item.result)[:, 0]
+        if (places >= AWAY).sum() > 1 and np.ptp(places[places >= AWAY]) == 0:
+            yield Sign("one-place", item, apart=True, note=ONE_PLACE)
+            break
     memories = [item for item in outcomes if item.case.kind not in ("carried", "seeds")]
-    for outcome in memories:
-        if np.abs(features(outcome)[1:3] - expected(outcome.case, REFERENCE)[1:3]).max() > 1e-9:
-            yield Sign("memory", outcome)
-            return
+    wrong = [item for item in memories if not _remembers(item, REFERENCE)]
+    if wrong:
+        swapped = all(_remembers(item, frozenset(["rates-swapped"])) for item in memories)
+        yield Sign("rates" if swapped else "memory", wrong[0])
+        return
+    fine = [item for item in memories if item.case.kind != "worse"]
+    yield from (Sign("ratio", item) for item in fine if features(item)[0] > 0)
+
+
+def _remembers(outcome: Outcome, mistakes: frozenset[str]) -> bool:
+    """Return whether both memories are what they are with some mistakes."""
+    apart = features(outcome)[1:3] - expected(outcome.case, mistakes)[1:3]
+    return bool(np.abs(apart).max() <= 1e-9)
+
+
+ONE_PLACE = Words("All particles that are new are the same one.")
 
 
 def show(case: Case, values: Array) -> str:
@@ -203,7 +240,7 @@ def situation(_case: Case) -> dict[str, float]:
 
 
 ALL, PLACES = (
-    frozenset([*SHARES, "other-ratio", "old-memory", "fit-alone"]),
+    frozenset([*SHARES, *RULES, "all-if-any", "other-ratio", "old-memory", "fit-alone"]),
     frozenset(["first-ones", "last-ones"]),
 )
 CHECKS = Checks(
@@ -215,10 +252,12 @@ CHECKS = Checks(
         Hypothesis("never", "no-injection", ALL),
         Hypothesis("other-ratio", "ratio", ALL),
         Hypothesis("fit-alone", "ratio", ALL),
+        *(Hypothesis(name, "ratio", ALL) for name in RULES),
         Hypothesis("old-memory", "memory", ALL),
         Hypothesis("memory-kept", "memory"),
         Hypothesis("rates-swapped", "rates"),
         Hypothesis("all", "all-new", ALL),
+        Hypothesis("all-if-any", "all-new", ALL),
         Hypothesis("first-ones", "same-places", PLACES),
         Hypothesis("last-ones", "same-places", PLACES),
     ),

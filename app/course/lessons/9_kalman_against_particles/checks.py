@@ -52,6 +52,8 @@ def expected(case: Case, mistakes: frozenset[str]) -> Array:
     mean = mean if "step-lost" in mistakes else mean + moved
     power = 1 if "deviations-weigh" in mistakes else 2
     gain = before**power / (before**power + seen_sd**power)
+    if "seen-unsquared" in mistakes:
+        gain = before**2 / (before**2 + seen_sd)
     if "gain-reversed" in mistakes:
         gain = 1 - gain
     if "middle" in mistakes:
@@ -59,10 +61,18 @@ def expected(case: Case, mistakes: frozenset[str]) -> Array:
     variance = (1 - gain) * before**2
     if "mean-reversed" in mistakes:
         gain = 1 - gain
+    if "mean-halved" in mistakes:
+        gain = 0.5
+    if "rest-reversed" in mistakes:
+        variance = before**2 - variance
+    if "rest-squared" in mistakes:
+        variance = (variance / before) ** 2
     if "never-surer" in mistakes:
         variance = before**2
     after = variance if "variance-returned" in mistakes else math.sqrt(variance)
-    return np.array([mean + gain * (seen - mean), after])
+    seen_ahead = mean - seen if "away" in mistakes else seen - mean
+    seen_ahead += moved if "old-mean" in mistakes else 0.0
+    return np.array([mean + gain * seen_ahead, after])
 
 
 def show(_case: Case, values: Array) -> str:
@@ -84,9 +94,15 @@ CHECKS = Checks(
         Hypothesis("gain-reversed", "gain-reversed"),
         Hypothesis("mean-reversed", "gain-reversed"),
         Hypothesis("middle", "gain-fixed"),
+        Hypothesis("mean-halved", "gain-fixed"),
+        Hypothesis("rest-reversed", "rest"),
+        Hypothesis("rest-squared", "rest"),
+        Hypothesis("away", "away"),
+        Hypothesis("old-mean", "step-lost"),
+        Hypothesis("seen-unsquared", "deviations-weigh"),
         Hypothesis("deviations-added", "deviations-added"),
         Hypothesis("deviations-weigh", "deviations-weigh"),
-        Hypothesis("variance-returned", "variance"),
+        Hypothesis("variance-returned", "variance-returned"),
         Hypothesis("step-lost", "step-lost"),
         Hypothesis("step-sure", "step-sure"),
         Hypothesis("never-surer", "never-surer"),
