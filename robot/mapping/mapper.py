@@ -52,10 +52,8 @@ STEP_M, STEP_RAD = 0.02, 0.05
 WINDOW, WINDOW_SHARE = 8, 0.015
 """Pictures by which the window grows, and their share of all: long drives are adjusted less often,
 as each time all of the drive is."""
-START_SD = np.array([1e-4, 1e-4, 1e-4])
-"""The map begins where the robot does [m, m, rad]."""
-LOOSE_SD = np.array([1e-3, 1e-3, 3e-3])
-"""... but is held there only so much while it is adjusted (``start_frame``) [m, m, rad]."""
+START_SD, LOOSE_SD = np.array([1e-4, 1e-4, 1e-4]), np.array([1e-3, 1e-3, 3e-3])
+"""The map begins where the robot does; it is held there less while it grows [m, m, rad]."""
 WHEELS_SD = np.array([0.02, 0.02, 0.03])
 """Standard deviations of radii and separation of a robot that is as described."""
 KNOWN_SD = 1e-3
