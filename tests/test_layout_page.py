@@ -296,6 +296,11 @@ def test_on_a_phone_all_targets_are_as_large_as_a_thumb(browser, server):
                     .map(e => `${e.id || e.outerHTML.slice(0, 60)} is too low`)"""
             )
             assert small == [], tab
+        # As low as beside a lesson, the field still has room.
+        page.set_viewport_size({"width": 390, "height": 640})
+        page.get_by_role("tab", name="Map").click()
+        field = page.locator("#map-canvas").bounding_box()
+        assert min(field["width"], field["height"]) > 150
 
 
 def test_a_skip_link_leads_to_the_map(page):
