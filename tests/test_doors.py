@@ -59,6 +59,8 @@ def test_each_address_of_the_interface_asks_for_a_token_and_changes_for_those_wh
         for way in ways:
             assert httpx.request(way, server.url + path).status_code == REFUSED
     for path, way in changing:
+        if path.startswith("/api/view/"):
+            continue  # a page's own view, which is nothing of the robot's
         answer = httpx.request(way, server.url + path, headers=watches)
         assert (answer.status_code, answer.text) == (403, "This token only watches.")
 
