@@ -4,47 +4,34 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
 from app.console import say
-from app.lab.localize.reading.bag import Bag
-from app.lab.localize.reading.carmen import is_carmen_log, measurements
-from app.lab.localize.reading.layout import choose, find_layout
-from app.lab.localize.reading.pairing import Measurement, Pairing
-from app.lab.mapping.command import read_drive
+from app.lab.mapping.looks import Look, pictures, scans
 from app.lab.trajectories.reading import write_tum
 from app.lab.trajectories.trajectory import Trajectory
-from app.recordings.attachments import SETTINGS
-from app.recordings.files.mcap_reader import open_recording
-from app.recordings.files.recorded import RecordingError
 from robot.fields.grid_map import save_map_yaml
 from robot.geometry import Pose2
-from robot.mapping.grid.beams import Beams, of_pictures, steps_of
-from robot.mapping.grid.fast_slam import FEWEST_MET, TAPE, WALLS, FastSlam, GridSettings
-from robot.mapping.mapper import moving
+from robot.mapping.graph.graph_slam import GraphSettings, GraphSlam
+from robot.mapping.grid.cell_mapper import CellMapper
+from robot.mapping.grid.fast_slam import FEWEST_MET, TAPE, WALLS, FastSlam
 from robot.mapping.tape_map import MappingError
 from robot.settings import SettingError
 
-STEP_M, STEP_RAD = 0.3, 0.2
-"""A laser's scan is used if the robot moved or turned so far since the last one."""
-REACH_M = 20.0
-"""Walls that are farther away are not drawn [m]: an error of the heading moves them too far."""
+WITHIN_95 = 2.45
+"""Deviations of a place in the plane that 95 % lie within."""
 
 
-class Look(NamedTuple):
-    """One scan or picture, and how the robot came there by odometry."""
+def map_in_cells(parsed: argparse.Namespace, method: str, *, laser: bool) -> int:
+    """Draw a ROS map, and the robot's path; return 0.
 
-    stamp: float
-    moved: Pose2
-    beams: Beams
-
-
-def map_by_particles(parsed: argparse.Namespace, *, laser: bool) -> int:
-    """Draw a ROS map by particles, and the robot's path; return 0.
+    Args:
+        parsed: the command line.
+        method: graph, or grid for particles.
+        laser: whether a laser saw walls, and not a camera tape.
 
     Raises:
         MappingError, BagError, SettingError, RecordingError, OSError: says what cannot be used.
@@ -52,76 +39,47 @@ def map_by_particles(parsed: argparse.Namespace, *, laser: bool) -> int:
     out: Path = parsed.out
     if out.suffix.lower() != ".yaml":
         raise SettingError(f"--out is {out}; valid is a file that ends in .yaml, for a ROS map")
-    settings, looks = (WALLS, _scans(parsed)) if laser else (TAPE, _pictures(parsed))
-    slam, stamps = _drawn(settings, looks, Pose2(*parsed.start), parsed.seed)
-    save_map_yaml(slam.grid, out)
-    path = out.with_suffix(".tum")
-    write_tum(path, Trajectory.of_poses(np.array(stamps), slam.path, out.stem))
-    walls, metres = len(slam.ends), np.hypot(*np.diff(slam.path[:, :2], axis=0).T).sum()
-    say(f"{len(stamps)} looks along {metres:.1f} m, {walls} cells of {settings.cell:g} m occupied")
+    mapper, looks = _mapper(parsed, method, laser), (scans if laser else pictures)(parsed)
+    stamps = _draw(mapper, looks)
+    grid, path = mapper.grid, out.with_suffix(".tum")
+    save_map_yaml(grid, out)
+    write_tum(path, Trajectory.of_poses(np.array(stamps), mapper.path, out.stem))
+    metres = np.hypot(*np.diff(mapper.path[:, :2], axis=0).T).sum()
+    walls = np.count_nonzero(grid.occupied)
+    say(f"{len(stamps)} looks along {metres:.1f} m, {walls} cells of {grid.resolution:g} m")
+    if isinstance(mapper, GraphSlam):
+        say(certainty(mapper, stamps))
     say(f"the map is {out}, the robot's path {path}")
     return 0
 
 
-def is_laser_bag(recording: Path) -> bool:
-    """Return whether a recording is of another robot, with a laser, and not of ours."""
-    if is_carmen_log(recording) or recording.suffix in (".bag", ".db3"):
-        return True
-    try:
-        reader = open_recording(recording)
-    except RecordingError:
-        # A ROS 2 bag's folder may hold an SQLite database; all else is told by who reads it.
-        return recording.is_dir() and any(recording.glob("*.db3"))
-    kinds = {kind.rpartition("/")[2] for kind in reader.topics.values()}
-    return SETTINGS not in reader.attachments and kinds.isdisjoint({"Image", "CompressedImage"})
+def certainty(slam: GraphSlam, stamps: list[float]) -> str:
+    """Return a line that says how certain a path is, and where least."""
+    sd = slam.position_sd()
+    worst = int(np.argmax(sd))
+    where = f"{WITHIN_95 * sd[worst]:.2f} m (95 %), at {stamps[worst]:.1f} s"
+    if not slam.loops:
+        return f"no loop was closed; the path may be off by up to {where}, seen from its start"
+    return f"{slam.loops} matches closed loops; the path is known to {where}, or better"
 
 
-def _drawn(
-    settings: GridSettings, looks: Iterable[Look], start: Pose2, seed: int
-) -> tuple[FastSlam, list[float]]:
-    slam = FastSlam(settings, start, np.random.default_rng(seed))
+def _mapper(parsed: argparse.Namespace, method: str, laser: bool) -> CellMapper:
+    start = Pose2(*parsed.start)
+    if method == "graph":
+        return GraphSlam(GraphSettings(), start)
+    return FastSlam(WALLS if laser else TAPE, start, np.random.default_rng(parsed.seed))
+
+
+def _draw(mapper: CellMapper, looks: Iterable[Look]) -> list[float]:
+    """Draw all looks, and return their stamps [s]."""
     stamps, has_met = [], False
     for stamp, moved, beams in looks:
-        slam.update(moved, beams)
+        mapper.update(moved, beams)
         stamps.append(stamp)
         has_met |= bool(np.count_nonzero(beams.hit) >= FEWEST_MET)
         if sys.stderr.isatty():
             sys.stderr.write(f"\r{len(stamps)} looks are drawn")
     if len(stamps) < 2 or not has_met:
         raise MappingError("nothing was met on the way; a map needs a drive with walls or tape")
-    return slam, stamps
-
-
-def _pictures(parsed: argparse.Namespace) -> Iterator[Look]:
-    log, spec = read_drive(parsed.recording, parsed.width)
-    if len(log.stamps) < 2:
-        raise MappingError(f"{parsed.recording} has less than two pictures")
-    log = log.some(moving(log, spec))
-    steps = [Pose2(), *steps_of(log, spec)]
-    return map(Look, log.stamps.tolist(), steps, of_pictures(log, spec))
-
-
-def _scans(parsed: argparse.Namespace) -> Iterator[Look]:
-    last: Pose2 | None = None
-    for odom_from_robot, scan in _measured(parsed):
-        moved = Pose2() if last is None else last.inverse() @ odom_from_robot
-        near = np.hypot(moved.x, moved.y) < STEP_M and abs(moved.theta) < STEP_RAD
-        if last is not None and near:
-            continue
-        last = odom_from_robot
-        yield Look(scan.stamp, moved, Beams.of_scan(scan, REACH_M))
-
-
-def _measured(parsed: argparse.Namespace) -> Iterator[Measurement]:
-    if is_carmen_log(parsed.recording):
-        yield from measurements(parsed.recording)
-        return
-    with Bag(parsed.recording) as bag:
-        chosen = choose(bag, parsed.scan_topic, parsed.odom_topic)
-        laser_pose = None if parsed.laser_pose is None else Pose2(*parsed.laser_pose)
-        layout = find_layout(bag, chosen, laser_pose)
-        say(f"{chosen.scan} and {chosen.odometry or 'tf'}, laser as told by {layout.told_by}")
-        pairing = Pairing(bag, chosen, layout, parsed.clock)
-        yield from pairing.measurements()
-        for line in (*pairing.left_out.lines(), *bag.damages):
-            say(line)
+    mapper.finish()
+    return stamps

@@ -9,7 +9,7 @@ from app.interruption import interruptible
 from app.lab.localize.options import add_topics
 from app.options import Commands
 
-METHODS = ("strokes", "grid")
+METHODS = ("strokes", "graph", "grid")
 
 
 def add_map_command(commands: Commands) -> None:
@@ -40,8 +40,9 @@ def add_map_command(commands: Commands) -> None:
         "--method",
         choices=METHODS,
         default=None,
-        help="strokes: tape as lines, adjusted as a whole; grid: an occupancy grid by particles "
-        "(FastSLAM, for teaching, and for lasers; default: strokes, and grid for a laser)",
+        help="strokes: tape as lines, adjusted as a whole; graph: walls by a pose graph over "
+        "matched scans, for a laser; grid: an occupancy grid by particles (FastSLAM, for teaching; "
+        "default: strokes, and graph for a laser)",
     )
     command.add_argument(
         "--seed", type=int, default=0, help="of the particles (default: %(default)s)"
@@ -78,18 +79,21 @@ def add_map_command(commands: Commands) -> None:
 
 def _map(parsed: argparse.Namespace) -> int:
     from app.lab.mapping.command import map_recording  # noqa: PLC0415
-    from app.lab.mapping.grid_command import is_laser_bag, map_by_particles  # noqa: PLC0415
+    from app.lab.mapping.grid_command import map_in_cells  # noqa: PLC0415
+    from app.lab.mapping.looks import is_laser_bag  # noqa: PLC0415
     from robot.settings import SettingError  # noqa: PLC0415
 
     with interruptible():
         laser = is_laser_bag(parsed.recording)
-        if laser and parsed.method == "strokes":
-            raise SettingError("--method strokes needs pictures of tape; valid for a laser is grid")
-        grid = laser or parsed.method == "grid"
+        method = parsed.method or ("graph" if laser else "strokes")
+        if method == ("strokes" if laser else "graph"):
+            needed = "pictures of tape" if laser else "the scans of a laser"
+            valid = "graph, grid" if laser else "strokes, grid"
+            raise SettingError(f"--method {method} needs {needed}; valid here are {valid}")
         if parsed.out is None:
-            parsed.out = Path("field.yaml" if grid else "field.svg")
-        if grid:
-            return map_by_particles(parsed, laser=laser)
+            parsed.out = Path("field.svg" if method == "strokes" else "field.yaml")
+        if method != "strokes":
+            return map_in_cells(parsed, method, laser=laser)
         return map_recording(
             parsed.recording,
             parsed.out,

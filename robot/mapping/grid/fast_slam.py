@@ -75,6 +75,9 @@ class FastSlam:
         if effective_sample_size(self.weights) < len(self.weights) / 2:
             self._resample()
 
+    def finish(self) -> None:
+        """Do nothing: particles have their paths already, and none is adjusted."""
+
     @property
     def path(self) -> Array:
         """(t, 3) poses of the heaviest particle, one for each scan [m, m, rad]."""
