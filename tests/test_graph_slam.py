@@ -2,6 +2,7 @@
 
 import functools
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from laser_office import LASER, START, office_map
 
+from app.command_line import main
 from robot.fields.ray_casting import cast_rays
 from robot.geometry import Array, Pose2
 from robot.mapping.graph.branch_and_bound import Window, best_pose
@@ -256,6 +258,65 @@ def test_without_any_return_the_path_is_that_of_odometry() -> None:
     assert Pose2.from_array(slam.path[-1]).distance_to(expected) < 1e-6
     assert slam.loops == 0
     assert slam.position_sd()[-1] > 0.1
+
+
+def test_along_a_corridor_only_odometry_tells_the_way_and_the_path_says_so() -> None:
+    slam = GraphSlam(GraphSettings(), Pose2())
+    x = np.linspace(-8, 8, 100)
+    for seed in range(16):
+        y = np.random.default_rng(seed).normal(0, NOISE_M, (2, 100))
+        ends = np.vstack([np.column_stack([x, y[0] - 1]), np.column_stack([x, y[1] + 1])[::-1]])
+        beams = Beams(np.zeros_like(ends), ends, ends, np.ones(200, bool))
+        # The wheels are bent to the left, which the walls tell.
+        slam.update(Pose2(0.5, 0.0, 0.03) if seed else Pose2(), beams)
+    slam.finish()
+    x, y, theta = slam.path[-1]
+    assert x == pytest.approx(7.5, abs=0.3)
+    assert abs(y) < 0.03
+    assert abs(theta) < 0.005
+    assert slam.position_sd()[-1] == pytest.approx(0.05 * math.sqrt(15), rel=0.3)
+    assert slam.loops == 0
+
+
+@pytest.mark.parametrize(
+    ("looks", "words"), [(60, "matches closed loops; the path is known to"), (15, "no loop was")]
+)
+def test_the_command_says_whether_a_loop_was_closed(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], looks: int, words: str
+) -> None:
+    _, steps, scans = rooms.lap(6)
+    rooms.write_log(tmp_path / "room.log", steps[:looks], scans[:looks], Pose2())
+    arguments = ["map", str(tmp_path / "room.log"), "--out", str(tmp_path / "room.yaml")]
+    assert main(arguments) == 0
+    assert words in capsys.readouterr().out
+
+
+def test_a_graph_needs_a_laser(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["map", "no-recording", "--method", "graph"]) == 2
+    assert "needs the scans of a laser" in capsys.readouterr().err
+
+
+def through_a_yard(step: Pose2) -> tuple[GraphSlam, Pose2]:
+    """A lap in a room, a yard where nothing is in reach, and a lap in a room that looks the same.
+
+    Return also where the second lap ended if the yard led back to the first room.
+    """
+    true, steps, scans = rooms.lap(7, 40)
+    nothing = Scan(0.0, rooms.BEARINGS, np.full(180, np.inf))
+    way = [*steps, *[step] * 24, true[-1].inverse() @ true[0], *steps[1:]]
+    return drawn(way, [*scans, *[nothing] * 24, *scans], true[0]), true[-1]
+
+
+def test_a_room_is_recognized_behind_a_yard() -> None:
+    # A circle, which the wheels see bent: they come back half a metre beside.
+    slam, end = through_a_yard(Pose2(0.51, 0.0, 2 * math.pi / 24 + 0.008))
+    assert slam.loops > 0
+    assert Pose2.from_array(slam.path[-1]).distance_to(end) < 0.05
+
+
+def test_a_room_that_looks_the_same_elsewhere_is_another_one() -> None:
+    slam, end = through_a_yard(Pose2(0.5, 0.0, 0.0))
+    assert Pose2.from_array(slam.path[-1]).distance_to(end) == pytest.approx(12.0, abs=1.0)
 
 
 def test_few_beams_are_enough() -> None:

@@ -109,7 +109,9 @@ class LoopCloser:
         pose = self._graph.pose(node)
         deviations = np.sqrt(np.diag(self._graph.covariance(node, chain[len(chain) // 2])))
         deviations[:2] = deviations[:2].max()
-        window = Window(pose, np.minimum(LEAST + DEVIATIONS * deviations, WIDEST))
+        half = np.minimum(LEAST + DEVIATIONS * deviations, WIDEST)
+        # Where doors look alike, the nearest one is the likeliest.
+        window = Window(pose, half, 1 / (deviations + LEAST / DEVIATIONS))
         points = frames.points(recent, node)
         best = search(frames, chain, points, window, SCORE, LEVELS)
         if best is None:
