@@ -57,10 +57,11 @@ def certainty(slam: GraphSlam, stamps: list[float]) -> str:
     """Return a line that says how certain a path is, and where least."""
     sd = slam.position_sd()
     worst = int(np.argmax(sd))
-    where = f"{WITHIN_95 * sd[worst]:.2f} m (95 %), at {stamps[worst]:.1f} s"
+    seconds = stamps[worst] - stamps[0]
+    where = f"{WITHIN_95 * sd[worst]:.2f} m (95 %), {seconds:.0f} s after the start"
     if not slam.loops:
-        return f"no loop was closed; the path may be off by up to {where}, seen from its start"
-    return f"{slam.loops} matches closed loops; the path is known to {where}, or better"
+        return f"no loop was closed; the path may be off by {where}"
+    return f"{slam.loops} matches closed loops; the path is known to {where}, and better elsewhere"
 
 
 def _mapper(parsed: argparse.Namespace, method: str, laser: bool) -> CellMapper:

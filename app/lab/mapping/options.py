@@ -22,6 +22,7 @@ def add_map_command(commands: Commands) -> None:
         "--map`, a ROS map of the same name (.yaml and .pgm) and a report. Of the bag of a robot "
         "with a laser, or with --method grid, it writes a ROS map and the robot's path (.tum). "
         "Metres, radians.",
+        argument_default=None,
     )
     command.add_argument(
         "recording",

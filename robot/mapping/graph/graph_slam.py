@@ -10,9 +10,9 @@ from robot.fields.grid_map import OccupancyGrid
 from robot.geometry import Array, Pose2
 from robot.localization.models.motion_models import MotionModel
 from robot.localization.models.odometry_motion import DifferentialMotion
+from robot.mapping.graph.edges import Edge
 from robot.mapping.graph.key_frames import KeyFrames
 from robot.mapping.graph.loop_closing import LoopCloser
-from robot.mapping.graph.pose_graph import Edge
 from robot.mapping.graph.surfaces import Surfaces
 from robot.mapping.graph.tracking import track
 from robot.mapping.graph.wall_drawing import WallDrawing

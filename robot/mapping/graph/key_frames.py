@@ -8,9 +8,10 @@ import numpy as np
 
 from robot.geometry import Array, Pose2
 from robot.mapping.graph.branch_and_bound import Window, best_pose
+from robot.mapping.graph.edges import Edge
 from robot.mapping.graph.likelihood_pyramid import LikelihoodPyramid
 from robot.mapping.graph.point_to_line import Match, match_scans
-from robot.mapping.graph.pose_graph import Edge, PoseGraph
+from robot.mapping.graph.pose_graph import PoseGraph
 from robot.mapping.graph.surfaces import Surfaces
 from robot.scan import evenly
 

@@ -8,8 +8,8 @@ import numpy as np
 
 from robot.geometry import Pose2
 from robot.mapping.graph.branch_and_bound import Window
+from robot.mapping.graph.edges import Edge
 from robot.mapping.graph.key_frames import KeyFrames, search
-from robot.mapping.graph.pose_graph import Edge
 
 OLD = 25
 """A loop leads to a scan that is so many older."""
@@ -163,9 +163,7 @@ class LoopCloser:
         """Add closures to the graph, unless it does not hold together with them."""
         graph = self._graph
         before, poses = list(graph.edges), graph.poses.copy()
-        for closure in closures:
-            graph.edges += closure.edges
-        graph.keep_edges(graph.edges)
+        graph.add_edges(edge for closure in closures for edge in closure.edges)
         if np.median(graph.squares()[len(before) :]) < FITTING:
             return True
         # A loop that moves much would count as an outlier before it has moved anything.

@@ -7,9 +7,9 @@ import numpy as np
 from robot.geometry import Array, Pose2, turned_covariance
 from robot.localization.models.motion_models import MotionModel
 from robot.mapping.graph.branch_and_bound import NOWHERE, Window, best_pose
+from robot.mapping.graph.edges import Edge
 from robot.mapping.graph.key_frames import KeyFrames
 from robot.mapping.graph.likelihood_pyramid import CELL
-from robot.mapping.graph.pose_graph import Edge
 from robot.mapping.graph.surfaces import Surfaces
 
 LOCAL = 10
@@ -36,14 +36,13 @@ def track(frames: KeyFrames, moved: Pose2, motion: MotionModel, surfaces: Surfac
     predicted = graph.pose(last) @ moved
     node = frames.add(predicted, surfaces)
     driven = Edge(last, node, moved, information, by_odometry=True)
-    graph.add_edge(driven)
+    graph.add_edges([driven])
     local = frames.telling(range(max(0, node - LOCAL), node))
     if not local or not frames.telling([node]):
         return
     supposed = _on_local_map(frames, local, node, covariance)
     edges = _matches(frames, local, node, supposed)
-    for edge in edges:
-        graph.add_edge(edge)
+    graph.add_edges(edges)
     fitting = [*edges, driven] if edges else []
     graph.poses[node] = _fused(frames, fitting, supposed).to_array()
 
