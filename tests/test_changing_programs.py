@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import suppress
@@ -15,15 +16,19 @@ from websockets.exceptions import ConnectionClosed, WebSocketException
 
 from app.engine.build import build_program
 from app.engine.commands import check
+from app.engine.drivers import Driver
 from app.engine.program import Program
 from app.messages.commands import CloseRecordingCommand
 from app.messages.driving_commands import StopCommand
 from app.page.outlets import Outlets
+from app.recordings.files.recorded import RecordingError
 from app.recordings.library import listed
 from app.recordings.replay import succession
 from app.recordings.replay.opening import ReplayProgram
+from app.recordings.replay.recorded_robot import RecordedRobot
 from app.recordings.replay.succession import replay_after
 from app.settings.config import Config
+from app.settings.groups import RecordingSettings
 from robot.errors import CommandError
 from robot.interface import RobotError
 
@@ -95,6 +100,34 @@ def test_from_a_recording_that_was_deleted_meanwhile_there_is_a_way_back(folder,
     with pytest.raises(CommandError, match="its file is gone"):
         check(StopCommand(type="stop"), replay)
     check(CloseRecordingCommand(type="close_recording"), replay)
+    before.robot.close()
+
+
+def test_a_recording_that_fails_at_once_is_not_opened(folder, monkeypatch) -> None:
+    """Else its page would have no telemetry, so no way back."""
+
+    def broken(*_: object) -> None:
+        raise ValueError("no such tick")
+
+    recording = RecordingSettings(folder=str(folder))
+    before = build_program(Config(robot="kinematic", map="stub", recording=recording))
+    made: list[Callable[[], Program]] = []
+    outlets = Outlets(before, go_on=made.append)
+    [recorded] = listed(folder)
+    driver = Driver("a page")
+    monkeypatch.setattr(RecordedRobot, "read", broken)
+    with pytest.raises(RecordingError, match=f"{recorded.name} cannot be replayed: no such tick"):
+        outlets.open_recording(driver, recorded.name)
+    assert made == []
+    monkeypatch.undo()
+    outlets.open_recording(driver, recorded.name)
+    following = made[0]()
+    assert isinstance(following, ReplayProgram)
+    stop = threading.Event()
+    stop.set()
+    following.replay.run(stop)
+    newest = following.engine.latest.get()
+    assert newest is not None and newest.replay is not None and newest.replay.position_s == 0
     before.robot.close()
 
 

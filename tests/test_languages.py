@@ -25,6 +25,8 @@ GERMAN = Templates(
         "the camera {name} failed: {error}": "die Kamera {name} fiel aus: {error}",
         "it is gone": "sie ist weg",
         "no picture": "kein Bild",
+        "dark{places} may not be there": "Dunkles{places} ist vielleicht nicht da",
+        "at {some}": "bei {some}",
     },
     ",",
 )
@@ -38,6 +40,7 @@ GERMAN = Templates(
         ("the camera 0 failed: it is gone", "die Kamera 0 fiel aus: sie ist weg"),
         ("sensor.toml: x is 3; valid is -1.5 to 1", "sensor.toml: x ist 3; gültig: -1,5 bis 1"),
         ("no picture; it is gone", "kein Bild; sie ist weg"),
+        ("dark at 2 m may not be there", "Dunkles bei 2 m ist vielleicht nicht da"),
         ("nobody has translated this", "nobody has translated this"),
         ("version 2.5.1", "version 2.5.1"),
         ("", ""),
@@ -71,9 +74,13 @@ def test_texts_of_python_are_found_as_they_will_be_told(tmp_path: Path) -> None:
         'x = phrase("marked")\n'
         'y = tn("one thing", "{count} things", 3)\n'
         'z = "not a text"\n'
+        'problems.note(stamp, f"nothing to {x}")\n'
+        'words.append("one more")\n'
+        'LOG.warning("for the log")\n'
     )
     assert set(texts_of_module(module, errors=True, all_of_it=False)) == {
         "{path} has {items} of {value}; {path}",
+        "nothing to {x}",
         "marked",
         ("one thing", "{count} things"),
     }
@@ -81,7 +88,8 @@ def test_texts_of_python_are_found_as_they_will_be_told(tmp_path: Path) -> None:
         "marked",
         ("one thing", "{count} things"),
     }
-    assert "not a text" in set(texts_of_module(module, errors=False, all_of_it=True))
+    every = set(texts_of_module(module, errors=False, all_of_it=True))
+    assert {"not a text", "one more"} <= every and "for the log" not in every
 
 
 def test_plurals_follow_the_languages_rule() -> None:

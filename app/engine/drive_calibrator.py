@@ -20,6 +20,7 @@ from app.engine.drive_follower import DriveFollower, FollowedTicks
 from app.engine.followed_drive import result_of, ticks_of
 from app.engine.program import Program
 from app.engine.snapshot import Snapshot
+from app.languages.marking import phrase
 from app.messages.driving_commands import StopCommand
 from app.settings.profiles import undo, write_calibration, written_file
 from app.worker_process import WorkerProcess
@@ -206,7 +207,7 @@ class DriveCalibrator:
         program, newest = self._program, self._program.engine.latest.get()
         assert newest is not None and self._drive is not None  # there were ticks
         driven = self._drive.seconds(newest.stamp)
-        source = f"{driven:.0f} s of driving on {program.field.name}"
+        source = phrase(f"{driven:.0f} s of driving on {program.field.name}")
         values, sd = calibration.values[:ROBOT], calibration.sd[:ROBOT]
         earlier = Profile.of(newest.spec)
         profile = Profile(drive.spec.name, self._clock(), source, values, sd, earlier.lens)
@@ -218,7 +219,7 @@ class DriveCalibrator:
             try:
                 write_calibration(path, profile)
             except (SpecError, OSError) as error:
-                words = f"it holds until the program ends: {error}"
+                words = phrase(f"it holds until the program ends: {error}")
         adjusted = self._drive.adjusted + 1
         self._show(state="done", calibration=calibration, adjusted=adjusted, words=words)
 

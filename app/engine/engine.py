@@ -189,8 +189,7 @@ class Engine:
         overdue = reading.stamp - last > max(FRAME_OVERDUE, 3 * self._meter.frame_period)
         # A reported fault says more.
         overdue = overdue and controls.follower.needs_camera and not reading.faults
-        silent = "The camera sends no pictures." if overdue else None
-        controls.report("camera", silent)
+        controls.report("camera", "The camera sends no pictures." if overdue else None)
 
     def _measure(self, seen: Frame | Scan) -> None:
         controls = self.controls

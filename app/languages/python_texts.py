@@ -10,7 +10,7 @@ from pathlib import Path
 
 from app.languages.markup import is_text, one_line
 
-TELLING = ("HTTPException", "setting")
+TELLING = ("HTTPException", "fail", "note", "report", "setting")
 """Calls, besides errors, whose texts are for people where the page shows them."""
 LAST_NAME = re.compile(r"([A-Za-z_]\w*)\W*$")
 
@@ -22,8 +22,8 @@ def texts_of_module(path: Path, errors: bool, all_of_it: bool) -> Iterator[str |
     """
     tree = ast.parse(path.read_text(encoding="utf-8"))
     if all_of_it:
-        documentation = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
-        yield from (each for each in _texts(tree, documentation) if " " in each)
+        left_out = {id(node) for node in ast.walk(tree) if _is_for_programmers(node)}
+        yield from (each for each in _texts(tree, left_out) if " " in each)
     for node in ast.walk(tree):
         if not isinstance(node, ast.Call):
             continue
@@ -34,6 +34,15 @@ def texts_of_module(path: Path, errors: bool, all_of_it: bool) -> Iterator[str |
             yield from _texts_in(node.args[:1])
         elif errors and (name in TELLING or name.endswith("Error")):
             yield from (each for each in _texts_in(node.args) if " " in each)
+
+
+def _is_for_programmers(node: ast.AST) -> bool:
+    """Return whether a statement is documentation or writes to the log."""
+    if not isinstance(node, ast.Expr):
+        return False
+    value = node.value
+    logs = isinstance(value, ast.Call) and ast.unparse(value.func).startswith("LOG.")
+    return logs or isinstance(value, ast.Constant)
 
 
 def _called(node: ast.Call) -> str:

@@ -60,9 +60,14 @@ class Templates:
             match = each.pattern.fullmatch(text) if each.longest in text else None
             if match is not None:
                 values = match.groupdict().items()
-                own = {name: self.translated(value, depth + 1) for name, value in values}
+                own = {name: self._inside(value, depth + 1) for name, value in values}
                 return filled(each.translation, own)
         return self._by_parts(text, depth)
+
+    def _inside(self, value: str, depth: int) -> str:
+        """Return what stands in a place, with the space around it, which is no part of a text."""
+        bare = value.strip()
+        return value.replace(bare, self.translated(bare, depth), 1) if bare else value
 
     def _row(self, text: str) -> str:
         """Return numbers with their decimal signs, and apart where a comma is one."""

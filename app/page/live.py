@@ -36,7 +36,7 @@ from robot.errors import BrickPoseError, CommandError
 
 NOT_MINE, MINE = '"mine":false', '"mine":true'
 """The only places where telemetry differs between viewers."""
-WATCHES = "This link only watches; ask for the link to drive."
+WATCHES = phrase("This link only watches; ask for the link to drive.")
 """Answer to commands of a viewer who only watches."""
 
 

@@ -226,6 +226,7 @@ class Outlets:
         self._require_idle(driver)
         item = find(self._program.config.recording.path(), name)
         following = replay_after(self._program, item.file.parent)
+        following.replay.begin()
         self._go_on(lambda: following)
 
     def run_again(self, driver: Driver) -> None:
@@ -239,6 +240,7 @@ class Outlets:
         self._require_idle(driver)
         self.recorder.close()
         following = run_again(self._program, self.recorder.folder)
+        following.replay.begin()
         self._go_on(lambda: following)
 
     def close_recording(self) -> None:

@@ -66,8 +66,14 @@ export class Templates {
   /** @param {Template} template @param {RegExpExecArray} found @param {number} depth */
   #filled({ translation }, found, depth) {
     return translation.replaceAll(PLACE, (_, name) =>
-      this.#found(found.groups?.[name] ?? "", depth + 1),
+      this.#inside(found.groups?.[name] ?? "", depth + 1),
     );
+  }
+
+  /** What stands in a place, with the space around it, which is no part of a text. @param {string} value @param {number} depth */
+  #inside(value, depth) {
+    const bare = value.trim();
+    return bare ? value.replace(bare, () => this.#found(bare, depth)) : value;
   }
 
   /** Numbers with their decimal signs, and apart where a comma is one. @param {string} text */

@@ -174,5 +174,5 @@ class TapeMap:
 
 def _near(places: Array) -> str:
     """Return the first places (n, 2) in words; nothing for none."""
-    some = " and ".join(f"({x:.2f}, {y:.2f}) m" for x, y in places[:MOST_PLACES])
+    some = ", ".join(f"({x:.2f}, {y:.2f}) m" for x, y in places[:MOST_PLACES])
     return f" at {some}" if some else ""

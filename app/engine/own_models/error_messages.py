@@ -9,6 +9,7 @@ import traceback
 from collections.abc import Iterator
 from pathlib import Path
 
+from app.languages.marking import phrase
 from robot.errors import BrickPoseError
 
 MODULE_PREFIX = "own_model_"
@@ -63,7 +64,9 @@ def running(thread: int | None) -> str | None:
     frame = sys._current_frames().get(thread) if thread is not None else None
     while frame is not None:
         if str(frame.f_globals.get("__name__", "")).startswith(MODULE_PREFIX):
-            return place(Path(frame.f_code.co_filename), frame.f_lineno) + "this does not end."
+            return place(Path(frame.f_code.co_filename), frame.f_lineno) + phrase(
+                "this does not end."
+            )
         frame = frame.f_back
     return None
 

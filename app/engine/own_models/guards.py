@@ -16,6 +16,7 @@ import numpy as np
 
 from app.engine.own_models.error_messages import OwnModelError, errors_named_after, line_of
 from app.engine.own_models.model_file import ModelFile
+from app.languages.marking import phrase
 from robot.geometry import Array, Pose2, compose, wrap_angle
 from robot.localization.models.motion_models import sampled_moments
 from robot.scan import Scan
@@ -44,7 +45,7 @@ class Guard:
         self._method: Callable[..., Any] | None = getattr(model, method, None)
         self._line = line_of(self._method, file.path)
         if fault is None and not callable(self._method):
-            self.fault = f"{file.path.name}: {file.class_name} has no method {method}"
+            self.fault = phrase(f"{file.path.name}: {file.class_name} has no method {method}")
 
     def call(self, shape: tuple[int, ...], *arguments: object) -> Array | None:
         """Return the method's result of the given shape; None once something went wrong."""

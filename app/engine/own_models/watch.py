@@ -8,6 +8,7 @@ from pathlib import Path
 
 from app.engine.own_models.error_messages import OwnModelError, errors_named_after
 from app.engine.own_models.model_file import ModelFile
+from app.languages.marking import phrase
 
 MOST_FILES = 100
 """Most files of a folder that are read, so that a huge folder is not searched through."""
@@ -68,7 +69,7 @@ class ModelFolder:
         try:
             paths = sorted(self._folder.glob("[!_.]*.py"))[:MOST_FILES]
         except OSError as error:
-            return ModelList(faults=(f"{self._folder} cannot be read: {error.strerror}",))
+            return ModelList(faults=(phrase(f"{self._folder} cannot be read: {error.strerror}"),))
         self._known = {path: self._look_into(path) for path in paths}
         result = [kept_model for _, kept_model in self._known.values()]
         return ModelList(

@@ -11,6 +11,7 @@ from app.engine.mailboxes.latest import Latest
 from app.engine.problems import LOG
 from app.engine.snapshot import Snapshot
 from app.engine.start_pose.pose_file import SavedPose, write
+from app.languages.marking import phrase
 from app.messages.telemetry import HypothesisMessage, PoseMessage
 from robot.covariance import by_rows
 from robot.fields.field import Field
@@ -45,7 +46,7 @@ class PoseKeeper:
         except OSError as error:
             if self.failure is None:
                 LOG.warning("the pose cannot be saved: %s", error)
-            self.failure = f"The pose cannot be saved: {error}"
+            self.failure = phrase(f"The pose cannot be saved: {error}")
             return
         self._kept = saved
         self.failure = None

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from app.engine.start_pose.pose_file import PoseFileError, read
+from app.languages.marking import phrase
 from app.messages.telemetry import PoseMessage
 from app.settings.groups import StartPoseSettings
 from robot.fields.field import Field
@@ -38,7 +39,7 @@ def start(settings: StartPoseSettings, path: Path, field: Field) -> Start:
         try:
             saved = read(path, field)
         except PoseFileError as error:
-            complaint = f"The saved pose is not used: {error}."
+            complaint = phrase(f"The saved pose is not used: {error}.")
         else:
             return Start(saved.believed(), _pose(saved.truth))
     if not settings.set_initial_pose:

@@ -16,6 +16,7 @@ import numpy as np
 from app.engine.problems import LOG
 from app.engine.snapshot import ReplayState, Snapshot
 from app.messages.commands import Command, ResetCommand, SetParametersCommand
+from app.recordings.files.recorded import RecordingError
 from app.recordings.replay.preview import Preview
 from app.recordings.replay.requests import RequestMailbox
 from app.recordings.replay.timeline import Timeline
@@ -84,16 +85,31 @@ class Replay:
         self._later: list[Command] = []
         """Commands for the filter at the end of the seek."""
         self._shown: Snapshot | None = None
+        self._begun: Snapshot | None = None
+        """The first tick, if it was run before the others."""
         self._ticks = 0
         self._zero: float | None = None
         """When the recording would have begun if it had been played at this speed without a stop,
         on the computer's monotonic clock [s]."""
 
+    def begin(self) -> None:
+        """Run the first tick already, before there is a thread: without one, nothing can be shown.
+
+        Raises:
+            RecordingError: it fails; the recording is closed then.
+        """
+        try:
+            self._begun = self._tick()
+        except Exception as error:
+            LOG.exception("the replay did not begin")
+            self.timeline.robot.close()
+            raise RecordingError(f"{self._file} cannot be replayed: {error}") from error
+
     def run(self, stop: threading.Event) -> None:
         """Replay until ``stop`` is set; the recording is closed whatever happens."""
         engine = self.timeline.engine
         try:
-            self._show(self._tick())
+            self._show(self._begun or self._tick())
             while not stop.is_set():
                 self._take_requests()
                 if self._way is not None:

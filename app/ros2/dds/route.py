@@ -12,6 +12,7 @@ from importlib.util import find_spec
 from app.engine.drivers import Driver
 from app.engine.mailboxes.outbox import Outbox
 from app.engine.problems import LOG
+from app.languages.marking import phrase
 from app.ros2.dds.child import Child, ChildError
 from app.ros2.dds.configuration import plan
 from app.ros2.dds.protocol import TROUBLE
@@ -136,7 +137,7 @@ class DdsRoute(Route):
                 if stopping.is_set():
                     return
                 wait = FIRST_WAIT_S if time.monotonic() - began > SOUND_S else wait
-                self._down = f"{error}; it is started again in {wait:g} s"
+                self._down = phrase(f"{error}; it is started again in {wait:g} s")
                 LOG.error(self._down)
             stopping.wait(wait)
             wait = min(2 * wait, LONGEST_WAIT_S)

@@ -21,17 +21,21 @@ from robot.geometry import Array
 COLUMNS, ROWS = 4, 3
 """Parts of the picture."""
 NAMES = (
-    ("upper left corner", "upper left", "upper right", "upper right corner"),
-    ("left", "middle left", "middle right", "right"),
-    ("lower left corner", "lower left", "lower right", "lower right corner"),
+    ("upper left corner", "upper left part", "upper right part", "upper right corner"),
+    ("left part", "middle left part", "middle right part", "right part"),
+    ("lower left corner", "lower left part", "lower right part", "lower right corner"),
 )
 LEAST_CORNERS = 3
 """So many corners in a part are enough."""
 TILT = math.radians(20)
 """A board counts as tilted from here on [rad]."""
-TILTS = ("left", "right", "upper", "lower")
-"""Sides of the board, as the picture shows it, that can be the far one."""
-OPPOSITE = {"left": "right", "right": "left", "upper": "lower", "lower": "upper"}
+TILTS = {
+    "left": ("the left side", "tilt its right edge toward the camera"),
+    "right": ("the right side", "tilt its left edge toward the camera"),
+    "upper": ("the upper side", "tilt its lower edge toward the camera"),
+    "lower": ("the lower side", "tilt its upper edge toward the camera"),
+}
+"""Sides of the board, as the picture shows it, that can be the far one; and what makes them so."""
 NEAR, FAR = 0.35, 0.20
 """A board that covers more of the picture than the first share is near, less than the second
 far."""
@@ -125,11 +129,10 @@ class Coverage:
         """What is still missing, in words, the most important first; empty if nothing is."""
         words = []
         if self._bare:
-            words.append(f"no board yet in the picture's {_listed(self._bare)}")
+            words.append(f"no board yet in parts of the picture: {', '.join(self._bare)}")
         if self._flat:
-            words.append(
-                f"no board tilted by 20 degrees or more with its {_listed(self._flat)} side far"
-            )
+            sides = ", ".join(TILTS[side][0] for side in self._flat)
+            words.append(f"no board tilted by 20 degrees or more, with this side far: {sides}")
         if self.nearest < NEAR:
             words.append("no board near the camera, filling half of the picture")
         if self.farthest > FAR:
@@ -142,10 +145,9 @@ class Coverage:
         steps = []
         if self._bare:
             place = min(self._bare, key=lambda name: not name.endswith("corner"))
-            part = "" if place.endswith("corner") else " part"
-            steps.append(f"hold it nearer to the picture's {place}{part}")
+            steps.append(f"hold it nearer to the picture's {place}")
         if self._flat:
-            steps.append(f"tilt its {OPPOSITE[self._flat[0]]} edge toward the camera")
+            steps.append(TILTS[self._flat[0]][1])
         if self.nearest < NEAR:
             steps.append("bring it nearer, until it fills half of the picture")
         elif self.farthest > FAR:
@@ -164,7 +166,3 @@ class Coverage:
 def missing(seen: Sequence[Sighting], board: Board) -> list[str]:
     """Return what is still missing, in words, the most important first; empty if nothing is."""
     return Coverage.of(seen, board).missing
-
-
-def _listed(names: Sequence[str]) -> str:
-    return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
