@@ -222,12 +222,18 @@ export interface FieldMessage {
   rays_px: [number, number][][];
 }
 
-/** Drive the open-loop figure-eight; holds for 0.3 s like drive, and continues if renewed. */
+/**
+ * Drive the open-loop figure-eight; holds for 0.3 s like drive, and continues if renewed. The
+ * robot stands until then; after three seconds the figure-eight begins anew.
+ */
 export interface FigureEightCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
   type: "figure_eight";
-  /** Whether to begin only where it fits: it is refused if the robot would leave the field. */
+  /**
+   * Whether to begin anew, and only where it fits: it is refused if the robot would leave the
+   * field.
+   */
   start?: boolean;
   /** Along the circles [m/s]; null is as set. It may change on the way. */
   speed?: number | null;

@@ -19,14 +19,14 @@ from app.messages.commands import (
     SetCalibrationCommand,
     ShowCommand,
 )
-from app.messages.driving_commands import StopCommand
+from app.messages.driving_commands import FigureEightCommand, StopCommand
 from app.settings.config import Config
 from robot.calibration.profile import Profile
 from robot.calibration.unknowns import NAMES, ROBOT
 from robot.description.spec import RobotSpec
 from robot.driving.odometry import OdometrySettings
 from robot.errors import CommandError
-from robot.geometry import Pose2
+from robot.geometry import Pose2, Twist2
 from robot.interface import RobotError
 from robot.localization.estimate import State
 from sim.floor_camera import CameraSettings
@@ -81,7 +81,22 @@ def test_the_figure_eight_comes_back_and_ends_without_renewal():
     assert shown[-1].truth.distance_to(Pose2()) < 0.03
     assert max(snapshot.truth.y for snapshot in shown) == pytest.approx(0.38, abs=0.02)
     assert min(snapshot.truth.y for snapshot in shown) == pytest.approx(-0.38, abs=0.02)
-    assert run(program, 0.7)[-1].mode == "idle"
+    assert run(program, 0.7)[-1].twist == Twist2()
+    assert run(program, 3.0)[-1].mode == "idle"
+
+
+def test_a_figure_eight_that_waited_for_its_renewal_goes_on_where_it_was():
+    waiting, straight = kinematic(), kinematic()
+    run(waiting, 5.0, EIGHT)
+    halted = run(waiting, 1.5)[-1]
+    assert (halted.mode, halted.twist) == ("figure_eight", Twist2())
+    # Braking and starting again cost a few millimetres.
+    end = run(waiting, 10.92, EIGHT)[-1].truth
+    assert end.distance_to(run(straight, 15.92, EIGHT)[-1].truth) < 0.05
+    begun = FigureEightCommand(type="figure_eight", start=True)
+    waiting.engine.commands.put(begun)
+    anew = run(waiting, 4.0, EIGHT)[-1].truth
+    assert end.inverse().apply(np.array([[anew.x, anew.y]]))[0, 1] > 0.2, "the left circle first"
 
 
 def test_beyond_the_limits_it_is_limited_and_says_what_was_applied():

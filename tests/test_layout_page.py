@@ -230,6 +230,20 @@ class TestNeverStuck:
             re.compile(r"^(29[6-9]|30[0-4]) mm$")  # a pixel is 3 mm
         )
 
+    def test_keys_measure_and_do_not_drive_meanwhile(self, page):
+        page.locator("button[data-tool=measure]").focus()
+        page.keyboard.press("Enter")
+        assert page.evaluate("document.activeElement.id") == "map-canvas"
+        for key in ("ArrowLeft", "Enter", "ArrowRight", "ArrowRight", "ArrowUp"):
+            page.keyboard.press(key)
+        side = page.evaluate(
+            "(() => { const at = window.brickpose.mapPixel; return at(1, 0)[0] - at(0, 0)[0]; })()"
+        )
+        expect(page.locator("#map-measured")).to_have_text(f"{round(10e3 * 5**0.5 / side)} mm")
+        page.keyboard.press("Enter")
+        expect(page.locator("button[data-tool=look]")).to_have_attribute("aria-pressed", "true")
+        assert page.evaluate("window.brickpose.telemetry.mode") == "idle"
+
     def test_the_figure_eight_says_where_it_does_not_fit_and_obeys_the_speed(self, page, server):
         def wait(condition) -> None:
             with server.live() as live:

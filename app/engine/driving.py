@@ -13,8 +13,9 @@ from robot.driving.route import Route
 from robot.geometry import Array, Pose2, Twist2
 
 GAP_S = 3.0
-"""The drive of a calibration that is renewed again within this time goes on; it stands until then.
-A minute of driving shall not be lost by a moment without network."""
+"""A programme that is renewed again within this time goes on where it was; it stands until then.
+A minute of driving shall not be lost by a moment without network, nor a figure-eight begin anew
+from wherever a busy computer left the robot."""
 
 Mode = Literal["idle", "drive", "figure_eight", "calibrate", "explore"]
 
@@ -51,12 +52,14 @@ class Driving:
         self.mode = "drive"
         self._controller.command(twist, stamp)
 
-    def figure_eight(self, stamp: float, speed: float | None = None) -> None:
+    def figure_eight(
+        self, stamp: float, speed: float | None = None, *, start: bool = False
+    ) -> None:
         """Start the figure-eight, or renew it; another speed [m/s] goes on at the same place."""
         pace = 1.0 if speed is None else speed / self._eight.speed
-        if self.mode != "figure_eight":
+        if start or self.mode != "figure_eight":
             self.mode = "figure_eight"
-            self._began = stamp
+            self._began = self._updated = stamp
         elif pace != self._pace:
             self._began = stamp - (stamp - self._began) * self._pace / pace
         self._pace = pace
@@ -117,7 +120,7 @@ class Driving:
 
     def _follow_programme(self, stamp: float, lapsed: bool) -> None:
         """Drive on; stand if nobody renews it any more."""
-        if lapsed and self.mode == "calibrate" and stamp - self._renewed < GAP_S:
+        if lapsed and stamp - self._renewed < GAP_S:
             self._controller.stop()
             # The programme goes on where it was.
             self._began += stamp - self._updated

@@ -22,7 +22,7 @@ def drive(command: DriveCommand, controls: Controls, _odometry: OdometryState) -
 
 def figure_eight(command: FigureEightCommand, controls: Controls, _odometry: OdometryState) -> None:
     """Begin the figure-eight, or go on with it."""
-    controls.driving.figure_eight(controls.stamp, command.speed)
+    controls.driving.figure_eight(controls.stamp, command.speed, start=command.start)
 
 
 def check_figure_eight(command: FigureEightCommand, program: Program) -> None:

@@ -24,11 +24,15 @@ class StopCommand(CommandMessage):
 
 
 class FigureEightCommand(CommandMessage):
-    """Drive the open-loop figure-eight; holds for 0.3 s like drive, and continues if renewed."""
+    """Drive the open-loop figure-eight; holds for 0.3 s like drive, and continues if renewed.
+
+    The robot stands until then; after three seconds the figure-eight begins anew.
+    """
 
     type: Literal["figure_eight"]
     start: bool = False
-    """Whether to begin only where it fits: it is refused if the robot would leave the field."""
+    """Whether to begin anew, and only where it fits: it is refused if the robot would leave the
+    field."""
     speed: Annotated[float, Field(ge=0.01, le=2)] | None = None
     """Along the circles [m/s]; null is as set. It may change on the way."""
 

@@ -20,6 +20,7 @@ const KEYS = [
     [
       [["+", "−", "0"], t("nearer, farther, show all")],
       [["⇧", "←→↑↓"], t("move the view")],
+      [["←→↑↓", "⏎"], t("with the tool measure: move an end, lay it down")],
     ],
   ],
   [t("On the camera's picture"), [[["←", "→"], t("choose a ray, and see why it counted")]]],
@@ -33,6 +34,15 @@ const KEYS = [
   ],
   [t("On a border or on the dots of a panel"), [[["←→↑↓"], t("resize; swap with the next panel")]]],
   [t("In a replay"), [[[",", "."], t("a picture back, a picture on; the arrow keys do, too")]]],
+];
+
+/** What the map draws besides, for its tool *ask* and for steps by hand: a sign, a name, and what it means. @type {[string, string, string][]} */
+const BESIDES = [
+  ["rings", t("ask: rings"), t("Where a ray of the particle asked ends; the larger the ring, the less the ray fits")],
+  ["bar", t("ask: bar"), t("Where that particle expects the tape, on the ray that is chosen")],
+  ["weighed", t("by hand: dots"), t("Particles; the heavier, the larger and darker")],
+  ["died", t("by hand: cross"), t("A particle that resampling has not drawn")],
+  ["noise", t("by hand: line"), t("The noise that a particle drew, or the way from a parent to its copy")],
 ];
 
 /** Documents that are asked for most. @type {[string, string][]} */
@@ -111,14 +121,20 @@ function keysOf([where, rows]) {
   return make("div", {}, make("h4", {}, where), make("dl", {}, ...lines));
 }
 
-/** The map's legend with its tips written out. */
+/** The map's legend with its tips written out, and what is drawn besides. */
 function meanings() {
   const shown = document.querySelectorAll("#map .legend li:not([hidden])");
-  return [...shown].map((item) => {
+  const legend = [...shown].map((item) => {
     const swatch = item.querySelector(".swatch")?.cloneNode(true) ?? "";
-    const words = make("span", {}, make("b", {}, item.textContent ?? ""), ` ${item.getAttribute("title")}`);
-    return make("li", {}, swatch, words);
+    return meaning(swatch, item.textContent ?? "", item.getAttribute("title") ?? "");
   });
+  const besides = BESIDES.map(([sign, name, means]) => meaning(make("span", { class: `swatch ${sign}` }), name, means));
+  return [...legend, ...besides];
+}
+
+/** @param {Node | string} swatch @param {string} name @param {string} means */
+function meaning(swatch, name, means) {
+  return make("li", {}, swatch, make("span", {}, make("b", {}, name), ` ${means}`));
 }
 
 /** @param {[string, string]} document */

@@ -31,7 +31,7 @@ const HINTS = {
   set_pose: t("Press where the robot is, drag in the direction it faces."),
   place: t("Press where to put the robot, drag in the direction it faces."),
   ask: t("Press a particle: it says how the scan fits it."),
-  measure: t("Drag from one point to another, or press at both."),
+  measure: t("Drag from one point to another, or press at both; by keys: arrows and Enter."),
 };
 
 /** The field from above: the robot's true and estimated poses, and tools to set them. */
@@ -165,9 +165,16 @@ export class MapPanel {
 
   #wire() {
     for (const button of this.#tools) {
-      button.onclick = () => this.#choose(/** @type {Tool} */ (button.dataset.tool));
+      button.onclick = ({ detail }) => {
+        this.#choose(/** @type {Tool} */ (button.dataset.tool));
+        // Who chose it by keys goes on by keys.
+        if (detail === 0 && this.measure.armed) this.surface.canvas.focus();
+      };
     }
     this.surface.canvas.addEventListener("keydown", (event) => this.#disarm(event), { capture: true });
+    this.surface.canvas.addEventListener("keydown", (event) => {
+      if (this.measure.key(event, [this.#view.x, this.#view.y])) this.refresh();
+    });
     findButton("map-in").onclick = () => this.gestures.zoom(1);
     findButton("map-out").onclick = () => this.gestures.zoom(-1);
     findButton("map-fit").onclick = () => this.#fit();
@@ -207,6 +214,8 @@ export class MapPanel {
       button.setAttribute("aria-pressed", String(button.dataset.tool === tool));
     }
     this.surface.canvas.dataset.tool = tool;
+    // Else the arrows drive.
+    this.surface.canvas.toggleAttribute("data-own-arrows", tool === "measure");
     setText(this.#hint, HINTS[tool]);
     this.refresh();
   }
