@@ -57,7 +57,6 @@ def test_a_recording_is_described_and_opened_and_the_robot_comes_back(page, serv
     row.get_by_role("button", name="öffnen").click()
     expect(page.locator("#replay")).to_be_visible()
     expect(page.locator("#robot-state")).to_have_text("Wiedergabe")
-    page.get_by_role("button", name="Aufzeichnungen").click()
     page.get_by_role("button", name="Zurück zum Roboter").click()
     expect(page.locator("#replay")).to_be_hidden()
     expect(page.locator("#robot-state")).to_have_text("steht")

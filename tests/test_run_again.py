@@ -72,6 +72,5 @@ def test_one_button_runs_the_drive_again_beside_the_run_before(page, server):
     # In the replay the same button begins anew, with what was changed by then.
     again.click()
     page.wait_for_function("window.brickpose.telemetry.replay?.position_s < 3")
-    page.locator("#recordings-open").click()
-    page.locator("#recordings-back").click()
+    page.locator("#replay-end").click()
     expect(page.locator("#replay")).to_be_hidden()

@@ -118,7 +118,7 @@ function direction(bearing) {
 /** @param {ProfileMessage} profile */
 function edges({ entry, exit, width }) {
   if (entry === null) return t("No edge.");
-  return t("In at {entry}, out at {exit}, {width} wide.", {
+  return t("In at {entry}, out at {exit}, {width} wide at right angles to the edge.", {
     entry: millimetres(entry),
     exit: millimetres(exit),
     width: millimetres(width, 1),

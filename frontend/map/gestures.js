@@ -28,14 +28,16 @@ export class Gestures {
    * @param {Surface} surface
    * @param {MapView} view
    * @param {Press[]} tools the first that wants a press takes it
-   * @param {() => void} changed
+   * @param {() => void} changed when the view was moved by hand
+   * @param {() => void} drawn when a tool draws something else
    * @param {() => void} fit
    */
-  constructor(surface, view, tools, changed, fit) {
+  constructor(surface, view, tools, changed, drawn, fit) {
     this.surface = surface;
     this.view = view;
     this.tools = tools;
     this.changed = changed;
+    this.drawn = drawn;
     this.fit = fit;
     const { canvas } = surface;
     canvas.addEventListener("pointerdown", (event) => this.#down(event));
@@ -74,9 +76,12 @@ export class Gestures {
     const before = this.#pointers.get(event.pointerId);
     if (!before) return;
     const now = this.surface.locate(event);
-    if (this.#doing === "tool") this.#tool?.drag(...this.view.toMap(...now));
-    else this.#pinch(event.pointerId, before, now);
     this.#pointers.set(event.pointerId, now);
+    if (this.#doing === "tool") {
+      this.#tool?.drag(...this.view.toMap(...now));
+      return this.drawn();
+    }
+    this.#pinch(event.pointerId, before, now);
     this.changed();
   }
 
@@ -102,7 +107,7 @@ export class Gestures {
     if (!this.#pointers.delete(event.pointerId)) return;
     if (this.#doing === "tool") finished ? this.#tool?.release() : this.#tool?.cancel();
     if (this.#pointers.size === 0 || this.#doing === "tool") this.#doing = "none";
-    this.changed();
+    this.drawn();
   }
 
   /** @param {WheelEvent} event */
@@ -132,7 +137,7 @@ export class Gestures {
   /** Another part of the page may use Escape, too. */
   #cancel() {
     for (const tool of this.tools) tool.cancel();
-    this.changed();
+    this.drawn();
   }
 
   /** @param {string} key */

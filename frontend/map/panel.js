@@ -8,6 +8,7 @@ import { Doubts } from "./doubts.js";
 import { Gestures } from "./gestures.js";
 import { NumbersForm } from "./numbers.js";
 import { MeasureTool } from "./measure.js";
+import { NextStep } from "./next_step.js";
 import { certainty, claim } from "./places.js";
 import { AwayWord } from "./away_word.js";
 import { Scene } from "./scene.js";
@@ -41,6 +42,7 @@ export class MapPanel {
   #certainty = find("map-certainty", HTMLElement);
   /** @type {AwayWord} */
   #away;
+  #nextStep = new NextStep();
   #doubts = new Doubts(find("map-doubts", HTMLElement));
   #text = find("map-text", HTMLElement);
   #measured = find("map-measured", HTMLElement);
@@ -89,7 +91,7 @@ export class MapPanel {
     const ends = new EndTool(() => this.scene.finished, () => this.#view.scale, order);
     this.scene.ends = ends;
     const tools = [ends, this.measure, this.tool];
-    this.gestures = new Gestures(this.surface, this.#view, tools, changed, () => this.#fit());
+    this.gestures = new Gestures(this.surface, this.#view, tools, changed, this.refresh, () => this.#fit());
     this.#wire();
     this.#away = new AwayWord(goHome);
   }
@@ -142,6 +144,7 @@ export class MapPanel {
     setText(this.#certainty, words);
     this.#doubts.show(integrity.alerts);
     this.#away.show(this.#field, telemetry);
+    setText(this.#hint, HINTS[this.tool.tool] || this.#nextStep.words(telemetry));
     this.telling.show(telemetry.filter);
     setText(this.#text, `${whereabouts(telemetry)} ${words}`);
     const { can_be_placed } = telemetry.robot;
@@ -231,6 +234,7 @@ export class MapPanel {
   #tell(tool, pose) {
     this.numbers.pose = pose;
     this.telling.tell(tool, pose, this.numbers);
+    if (tool === "place") this.#nextStep.robotMoved();
   }
 
   /** The area that is shown until the view is moved by hand. */

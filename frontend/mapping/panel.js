@@ -114,7 +114,7 @@ export class MappingPanel {
   async #keep(event) {
     event.preventDefault();
     const use = event.submitter?.id !== "mapping-keep";
-    const name = this.#name.value;
+    const name = hyphenated(this.#name.value);
     this.#awaited = use ? name : "";
     if (await this.order({ type: "save_map", name, use })) this.#saved = name;
   }
@@ -219,3 +219,6 @@ function joining(chosen, stroke) {
   const other = chosen + 1;
   return [t("to {other}", { other }), t("Join tape {other} to tape {number}", { other, number })];
 }
+
+/** A name without spaces, which a map's file has not. @param {string} name */
+const hyphenated = (name) => name.trim().replace(/\s+/g, "-");

@@ -4,7 +4,7 @@
  * and has the other texts in `/api/language/CODE.json`.
  */
 
-import { Templates, PLACE } from "./templates.js";
+import { PLACE } from "./place.js";
 
 /** @typedef {import("../messages").LanguageMessage} LanguageMessage */
 
@@ -17,7 +17,8 @@ export const language = document.documentElement.lang || "en";
 /** @type {LanguageMessage} */
 const ENGLISH = { language: "en", plural: "n != 1", point: ".", texts: {} };
 const catalogue = language === "en" ? ENGLISH : await load(language);
-const templates = new Templates(catalogue);
+/** English needs none. */
+const templates = language === "en" ? null : new (await import("./templates.js")).Templates(catalogue);
 const rule = pluralRule(catalogue.plural);
 
 /** Between a number's whole part and its decimals. */
@@ -46,7 +47,7 @@ export function tn(one, many, count, values = {}) {
 
 /** What the program tells in English, as a refusal, in the page's language. @param {string} text */
 export function translated(text) {
-  return language === "en" ? text : templates.translated(text);
+  return templates?.translated(text) ?? text;
 }
 
 /** Let the user choose among the languages that there are. @param {HTMLSelectElement} list */

@@ -1,6 +1,8 @@
 // @ts-check
 /** Translates finished texts, as `app/languages/templates.py` does: the same steps, the same names. */
 
+import { PLACE } from "./place.js";
+
 /** @typedef {import("../messages").LanguageMessage} LanguageMessage */
 /**
  * @typedef {object} Template
@@ -10,8 +12,6 @@
  * @property {string} translation
  */
 
-/** Where a value stands in a text. */
-export const PLACE = /\{(\w+)\}/g;
 const NUMBER = /^-?\d+\.\d+(?:e[+-]?\d+)?$/;
 /** Numbers in a row; maybe more of them are left out. */
 const ROW = /^(?:-?\d+(?:\.\d+)?(?:e[+-]?\d+)?(?:, |$)){2,}(?:\.\.\.)?$/;

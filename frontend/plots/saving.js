@@ -60,8 +60,8 @@ function drawSheet(pen, plot) {
 function csv({ history, names, span }) {
   const [low, high] = span.ends(history.stamps);
   const [from, until] = [history.after(low), history.after(high + 1e-9)];
-  const head = ["stamp [s]", ...names.map((name) => `${name} [${QUANTITIES[name].unit}]`)];
-  const rows = [head.join(",")];
+  const head = names.map((name) => `${QUANTITIES[name].name} [${QUANTITIES[name].unit}]`);
+  const rows = [["stamp [s]", ...head].map(cell).join(",")];
   for (let i = from; i < until; i++) {
     const values = names.map((name) => history.values[name][i]);
     const cells = values.map((value) => (Number.isFinite(value) ? Number(value.toPrecision(7)) : ""));
@@ -69,6 +69,9 @@ function csv({ history, names, span }) {
   }
   return `${rows.join("\n")}\n`;
 }
+
+/** A cell of a table; one with commas is quoted. @param {string} text */
+const cell = (text) => (/[",]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
 
 /** @param {Blob} blob @param {string} name */
 function offer(blob, name) {

@@ -15,7 +15,7 @@ export class RecordingsPanel {
   #panel = find("recordings", HTMLElement);
   #list = find("recordings-items", HTMLElement);
   #file = findInput("recordings-file");
-  #back = findButton("recordings-back");
+  #back = findButton("replay-end");
 
   /** @param {(command: Command) => Promise<boolean>} order @param {Toasts} toasts */
   constructor(order, toasts) {

@@ -27,6 +27,7 @@ def write_map(drawn: TapeMap, out: Path, title: str) -> None:
     field = field_of_drawing(text, out.stem)
     field.require_free()
     grid = with_unseen(field.occupancy(CELL), drawn.seen)
+    out.parent.mkdir(parents=True, exist_ok=True)
     # The drawing last: on a full disk there is none, and its name is still free.
     save_map_yaml(grid, out.with_suffix(".yaml"))
     with atomic_file(out) as new:
