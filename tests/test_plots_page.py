@@ -42,7 +42,11 @@ def test_values_are_chosen_and_saved_with_their_units(page):
     expect(legend).to_contain_text("left wheel 0.00 rad/s")
     page.wait_for_function("brickpose.telemetry.stamp > 3")
     rows = list(csv.reader(io.StringIO(saved(page, "csv").read_text())))
-    names = ["error of the estimate [mm]", "heading error of the estimate [°]", "left wheel [rad/s]"]
+    names = [
+        "error of the estimate [mm]",
+        "heading error of the estimate [°]",
+        "left wheel [rad/s]",
+    ]
     assert rows[0] == ["stamp [s]", *names]
     assert len(rows) > 10
     stamps = [float(row[0]) for row in rows[1:]]

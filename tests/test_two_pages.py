@@ -62,6 +62,21 @@ def test_a_stop_of_one_holds_against_the_key_that_another_holds(browser, server)
         wait(server, lambda now: now["mode"] == "idle")
 
 
+def test_a_figure_eight_that_somebody_stopped_does_not_go_on_by_itself(browser, server) -> None:
+    with person(browser, server, "drive-me") as ann, person(browser, server, "drive-me") as bob:
+        ann_eight, bob_eight = (
+            page.get_by_role("button", name="Figure-eight") for page in (ann, bob)
+        )
+        ann_eight.click()
+        wait(server, lambda now: now["mode"] == "figure_eight")
+        expect(bob.locator("#drive-who")).to_contain_text("drives")
+        bob_eight.click()
+        expect(bob.locator("#toasts")).to_contain_text("take the drive to drive yourself")
+        bob.keyboard.press(" ")
+        expect(ann_eight).to_have_attribute("aria-pressed", "false")
+        wait(server, lambda now: now["mode"] == "idle")
+
+
 def test_the_drive_can_be_taken(browser, server) -> None:
     with person(browser, server, "drive-me") as ann, person(browser, server, "drive-me") as bob:
         ann.get_by_role("button", name="Figure-eight").click()

@@ -41,6 +41,13 @@ export class OwnDrive {
     if (this.mine) this.drive.setProgramme(null);
   }
 
+  /** Let go of it when somebody stops the robot: it must not go on when that one has driven. @param {boolean} drives whether the robot drives so @param {boolean} stopped whether a stop holds */
+  heed(drives, stopped) {
+    if (!this.mine) return;
+    if (drives) this.#seen = true;
+    else if (this.#seen && stopped) this.end();
+  }
+
   /** Let go of the drive when it is over. @param {boolean} drives whether the robot drives so */
   follow(drives) {
     if (!this.mine) return;

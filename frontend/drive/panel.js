@@ -43,7 +43,7 @@ export class DrivePanel {
     for (const stop of ["stop", "stop-thumb"]) this.#wireStop(findButton(stop));
     const eight = new OwnDrive(this.drive, order, "figure_eight");
     this.#ownEight = eight;
-    this.#eight.onclick = () => (eight.mine ? eight.end() : this.drive.mayBegin && eight.begin());
+    this.#eight.onclick = () => this.#toggleEight(eight, order);
     this.#take.onclick = () => this.drive.take();
     this.#slider.addEventListener("input", () => this.#setSpeed());
     connection.onState((state) => state === "lost" && this.#lost());
@@ -81,14 +81,23 @@ export class DrivePanel {
   }
 
   /** Show who drives, at once. @param {TelemetryMessage} telemetry */
-  follow({ driver: { name, mine, stopped } }) {
+  follow({ mode, driver: { name, mine, stopped } }) {
     this.drive.follow(mine ? null : name);
+    this.#ownEight.heed(mode === "figure_eight", stopped);
     const { other, possible } = this.drive;
     const held = stopped ? t("stopped; a new press drives on") : "";
     const words = other ? t("{name} drives", { name: translated(other) }) : held;
     setText(this.#who, this.#watches ? t("this link only watches") : words);
     this.#take.hidden = other === null || !possible;
     this.#hint.hidden = this.#who.textContent !== "";
+  }
+
+  /** @param {OwnDrive} eight @param {(command: Command) => Promise<boolean>} order */
+  #toggleEight(eight, order) {
+    if (eight.mine) eight.end();
+    else if (this.drive.mayBegin) eight.begin();
+    // The refusal says who drives, and what to do.
+    else if (this.drive.possible) order({ ...this.drive.programmed("figure_eight"), start: true });
   }
 
   /** Stop acts on the press, not on the release. @param {HTMLButtonElement} button */

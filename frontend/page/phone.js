@@ -2,7 +2,7 @@
 import { find, findButton } from "./elements.js";
 import { Tabs } from "./tabs.js";
 
-/** As in style/phone.css: one panel at a time on a screen of small width or height. */
+/** As in style/phone_panels.css: one panel at a time on a screen of small width or height. */
 const PHONE = matchMedia("(max-width: 640px), (max-height: 500px)");
 
 /**
