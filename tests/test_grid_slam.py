@@ -162,6 +162,14 @@ def test_a_newer_log_tells_its_lasers_view(tmp_path: Path) -> None:
     assert measured.scan.stamp == 7.5
 
 
+def test_the_greatest_range_of_a_laser_is_no_wall(tmp_path: Path) -> None:
+    path = tmp_path / "short.log"
+    read = " ".join(["2.500"] * 3 + ["5.600"] * 8 + ["5.590"])
+    path.write_text(f"FLASER 12 {read} 0 0 0 0 0 0 1.0 host 1.0\n")
+    (measured,) = measurements(path)
+    assert measured.scan.ranges.tolist() == [2.5] * 3 + [math.inf] * 8 + [5.59]
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [

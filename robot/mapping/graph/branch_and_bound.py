@@ -77,33 +77,24 @@ def branch_and_bound(
 
     Args:
         levels: (l, h, w) the field.
-        place: (2,) the window's middle.
-        heading: ... and its heading [rad].
+        place: (2,) the window's middle, and ``heading`` [rad].
         points: (n, 2) of the scan.
         half: (2,) how far the window reaches from its middle, whole cells.
-        step: between headings [rad].
-        turns: how many of these to either side.
+        step: between headings [rad]; so many ``turns`` of these are tried to either side.
         inverse_sd: (3,) of the supposed pose, by cell, cell and step.
-        least: score that has to be exceeded.
-
-    Returns:
-        The pose (x, y, heading) and its score; that is ``least`` if none is better.
+        least: score that has to be exceeded, and which is returned if none does.
     """
     top = len(levels) - 1
     side = 2**top
     across, up = int(2 * half[0] // side) + 1, int(2 * half[1] // side) + 1
-    count = (2 * turns + 1) * across * up
-    bounds = np.empty(count, np.float32)
     cells = np.empty((2 * turns + 1, len(points), 2), np.int32)
-    filled = 0
+    bounds = np.empty(len(cells) * across * up, np.float32)
     for turn in range(-turns, turns + 1):
-        own = cells[turn + turns]
+        own, first = cells[turn + turns], (turn + turns) * across * up
         _placed(points, place, heading + turn * step, own)
-        for i in range(across):
-            for k in range(up):
-                x, y = i * side - half[0], k * side - half[1]
-                bounds[filled] = _bound(levels[top], own, x, y, side, half, turn, inverse_sd)
-                filled += 1
+        for k in range(across * up):
+            x, y = (k // up) * side - half[0], (k % up) * side - half[1]
+            bounds[first + k] = _bound(levels[top], own, x, y, side, turn, inverse_sd)
     best, score = (place[0], place[1], heading), least
     stack = np.empty((STACK, 3), np.int64)
     waiting = np.empty(STACK)
@@ -154,7 +145,7 @@ def _branch(
             left, low = x + i * side, y + k * side
             if left > half[0] or low > half[1]:
                 continue
-            bound = _bound(field, cells, left, low, side, half, turn, inverse_sd)
+            bound = _bound(field, cells, left, low, side, turn, inverse_sd)
             if bound <= score:
                 continue
             slot = size
@@ -182,7 +173,6 @@ def _bound(
     x: int,
     y: int,
     side: int,
-    half: Whole,
     turn: int,
     inverse_sd: Array,
 ) -> float:

@@ -10,9 +10,10 @@ from robot.fields.grid_map import OccupancyGrid
 from robot.geometry import Array, Pose2
 from robot.localization.models.motion_models import MotionModel
 from robot.localization.models.odometry_motion import DifferentialMotion
-from robot.mapping.graph.edges import Edge
+from robot.mapping.graph.constraints import Constraint
 from robot.mapping.graph.key_frames import KeyFrames
 from robot.mapping.graph.loop_closing import LoopCloser
+from robot.mapping.graph.pose_graph import PoseGraph
 from robot.mapping.graph.surfaces import Surfaces
 from robot.mapping.graph.tracking import track
 from robot.mapping.graph.wall_drawing import WallDrawing
@@ -77,13 +78,18 @@ class GraphSlam:
         return self._known.graph.poses
 
     @property
+    def graph(self) -> PoseGraph:
+        """The poses, and how certain they are of each other."""
+        return self._known.graph
+
+    @property
     def loops(self) -> int:
         """How many matches closed loops."""
         return 0 if self._loops is None else self._loops.count
 
     def position_sd(self) -> Array:
         """Return the standard deviation of each place (t,), seen from the first, where largest."""
-        graph = self._known.graph
+        graph = self.graph
         covariances = [graph.covariance(node, 0)[:2, :2] for node in range(1, len(graph.poses))]
         sd = np.sqrt([0.0, *(np.linalg.eigvalsh(each)[-1] for each in covariances)])
         return np.asarray(sd)
@@ -114,14 +120,14 @@ class GraphSlam:
 def relink(frames: KeyFrames, gate: float) -> None:
     """Replace all matches by new ones from where the scans now lie, and adjust the poses."""
     graph = frames.graph
-    odometry = [edge for edge in graph.edges if edge.by_odometry]
-    matched: list[Edge] = []
+    odometry = [constraint for constraint in graph.constraints if constraint.by_odometry]
+    matched: list[Constraint] = []
     for node in frames.telling(range(1, len(frames))):
         for other in _neighbours(frames, node):
-            edge = frames.edge(other, node, graph.pose(node), gate)
-            if edge is not None:
-                matched.append(edge)
-    graph.keep_edges(odometry + matched)
+            constraint = frames.constraint(other, node, graph.pose(node), gate)
+            if constraint is not None:
+                matched.append(constraint)
+    graph.keep_constraints(odometry + matched)
     graph.adjust()
 
 

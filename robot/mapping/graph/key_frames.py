@@ -8,14 +8,14 @@ import numpy as np
 
 from robot.geometry import Array, Pose2
 from robot.mapping.graph.branch_and_bound import Window, best_pose
-from robot.mapping.graph.edges import Edge
+from robot.mapping.graph.constraints import Constraint
 from robot.mapping.graph.likelihood_pyramid import LikelihoodPyramid
 from robot.mapping.graph.point_to_line import Match, match_scans
 from robot.mapping.graph.pose_graph import PoseGraph
 from robot.mapping.graph.surfaces import Surfaces
 from robot.scan import evenly
 
-FEWEST = 20
+FEWEST = 10
 """A scan tells where the robot is if so many of its beams met something."""
 MOST_POINTS = 150
 """Points of a scan that are compared with a field."""
@@ -60,7 +60,7 @@ class KeyFrames:
         )
         return points[evenly(len(points), MOST_POINTS)]
 
-    def edge(self, begin: int, end: int, pose: Pose2, gate: float) -> Edge | None:
+    def constraint(self, begin: int, end: int, pose: Pose2, gate: float) -> Constraint | None:
         """Match the scan of a node, supposed at a pose of the map, with that of another.
 
         Return what that measures, or None if they do not fit.
@@ -69,7 +69,7 @@ class KeyFrames:
         match = match_scans(self.surfaces[end], self.surfaces[begin], supposed, gate)
         if not self._fits(match, end) or match.pose.distance_to(supposed) > gate:
             return None
-        return Edge(begin, end, match.pose, match.information)
+        return Constraint(begin, end, match.pose, match.information)
 
     def _fits(self, match: Match, node: int) -> bool:
         common = LEAST_COMMON * len(self.surfaces[node])

@@ -8,7 +8,7 @@ import numpy as np
 
 from robot.geometry import Pose2
 from robot.mapping.graph.branch_and_bound import Window
-from robot.mapping.graph.edges import Edge
+from robot.mapping.graph.constraints import Constraint
 from robot.mapping.graph.key_frames import KeyFrames, search
 
 OLD = 25
@@ -55,7 +55,7 @@ class Closure:
     """A node that was recognized from earlier ones."""
 
     node: int
-    edges: list[Edge]
+    constraints: list[Constraint]
 
 
 class LoopCloser:
@@ -118,14 +118,14 @@ class LoopCloser:
             return None
         place = best[0]
         chain = sorted(chain, key=lambda other: self._graph.pose(other).distance_to(place))
-        edges = []
+        constraints = []
         for other in chain:
-            edge = frames.edge(other, node, place, GATE)
-            if edge is not None:
-                edges.append(edge)
-            if len(edges) == MATCHES:
+            constraint = frames.constraint(other, node, place, GATE)
+            if constraint is not None:
+                constraints.append(constraint)
+            if len(constraints) == MATCHES:
                 break
-        return Closure(node, edges) if len(edges) >= FEWEST_MATCHES else None
+        return Closure(node, constraints) if len(constraints) >= FEWEST_MATCHES else None
 
     def _confirm(self, closure: Closure) -> None:
         """Add a closure with all that agree, if there are any; else let it wait."""
@@ -156,21 +156,22 @@ class LoopCloser:
         return expected.distance_to(place) < far and abs(expected.turn_to(place)) < turn
 
     def _place(self, closure: Closure) -> Pose2:
-        edge = closure.edges[0]
-        return self._graph.pose(edge.begin) @ edge.moved
+        constraint = closure.constraints[0]
+        return self._graph.pose(constraint.begin) @ constraint.moved
 
     def _add(self, closures: list[Closure]) -> bool:
         """Add closures to the graph, unless it does not hold together with them."""
         graph = self._graph
-        before, poses = list(graph.edges), graph.poses.copy()
-        graph.add_edges(edge for closure in closures for edge in closure.edges)
-        if np.median(graph.squares()[len(before) :]) < FITTING:
+        before, poses = list(graph.constraints), graph.poses.copy()
+        new = [constraint for closure in closures for constraint in closure.constraints]
+        graph.add_constraints(new)
+        if np.median(graph.squares(new)) < FITTING:
             return True
         # A loop that moves much would count as an outlier before it has moved anything.
         graph.adjust(tail=np.inf)
         graph.adjust()
-        if np.median(graph.squares()[len(before) :]) > OUTLIER:
-            graph.keep_edges(before)
+        if np.median(graph.squares(new)) > OUTLIER:
+            graph.keep_constraints(before)
             graph.poses = poses
             return False
         return True

@@ -23,10 +23,10 @@ LOOSE_SD = 0.15
 """... and from the nearest point, where nothing tells a surface's direction [m]."""
 FACING = 0.7
 """Least cosine between the normals of points that are of one surface."""
-TEMPER = 0.25
+TEMPER = 0.125
 """Share of the information that is believed: neighbouring beams err alike, and corridors are
 not straight to the millimetre."""
-FLOOR = np.diag(np.square([0.005, 0.005, 0.002]))
+FLOOR = np.diag(np.square([0.007, 0.007, 0.003]))
 """Covariance (3, 3) that no match is below [m, m, rad]."""
 
 
@@ -130,8 +130,7 @@ def equations(
     total[:], pull[:] = 0.0, 0.0
     c, s = math.cos(pose[2]), math.sin(pose[2])
     fitting = near = 0
-    J = np.empty((2, 3))
-    W = np.empty((2, 2))
+    J, W = np.empty((2, 3)), np.empty((2, 2))
     for i in range(len(points)):
         turned_x = c * points[i, 0] - s * points[i, 1]
         turned_y = s * points[i, 0] + c * points[i, 1]
@@ -152,16 +151,7 @@ def equations(
         if across > reach:
             continue
         fitting += 1
-        if wall:
-            weight = 1 / (SD * SD * (1 + (across / (2 * SD)) ** 2))
-            slip = spread[k] if unbiased else 0.0
-            W[0, 0] = weight * (nx * nx - slip * ny * ny)
-            W[1, 1] = weight * (ny * ny - slip * nx * nx)
-            W[0, 1] = W[1, 0] = weight * (nx * ny + slip * nx * ny)
-        else:
-            weight = 1 / (LOOSE_SD * LOOSE_SD * (1 + best / (4 * LOOSE_SD * LOOSE_SD)))
-            W[0, 0] = W[1, 1] = weight
-            W[0, 1] = W[1, 0] = 0.0
+        _weigh(nx, ny, across, spread[k] if unbiased or not wall else 0.0, W)
         J[0, 0], J[0, 1], J[0, 2] = 1.0, 0.0, -turned_y
         J[1, 0], J[1, 1], J[1, 2] = 0.0, 1.0, turned_x
         rx, ry = W[0, 0] * dx + W[0, 1] * dy, W[1, 0] * dx + W[1, 1] * dy
@@ -171,6 +161,22 @@ def equations(
             for b in range(3):
                 total[a, b] += wa[0] * J[0, b] + wa[1] * J[1, b]
     return fitting, near
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _weigh(nx: float, ny: float, distance: float, spread: float, W: Array) -> None:
+    """Write the information (2, 2) of a point: across a surface, or around another point.
+
+    Those that are far from it count less (Cauchy's weights).
+    """
+    if spread == np.inf:
+        W[0, 0] = W[1, 1] = 1 / (LOOSE_SD * LOOSE_SD + distance * distance / 4)
+        W[0, 1] = W[1, 0] = 0.0
+        return
+    weight = 1 / (SD * SD + distance * distance / 4)
+    W[0, 0] = weight * (nx * nx - spread * ny * ny)
+    W[1, 1] = weight * (ny * ny - spread * nx * nx)
+    W[0, 1] = W[1, 0] = weight * (1 + spread) * nx * ny
 
 
 @njit(cache=True, nogil=True)

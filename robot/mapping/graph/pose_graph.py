@@ -13,7 +13,7 @@ from scipy.sparse import csc_matrix, csr_matrix
 from scipy.sparse.linalg import SuperLU, splu
 
 from robot.geometry import Array, Pose2, wrap_angle
-from robot.mapping.graph.edges import TAIL, Edge, EdgeArrays
+from robot.mapping.graph.constraints import TAIL, Constraint, ConstraintArrays
 
 STEPS = 30
 """Most Gauss-Newton steps."""
@@ -24,13 +24,13 @@ CONVERGED = 1e-5
 
 
 class PoseGraph:
-    """Poses, the first of which is held, and edges between them."""
+    """Poses, the first of which is held, and constraints between them."""
 
     def __init__(self, start: Pose2) -> None:
         """Begin with one pose."""
         self.poses: Array = start.to_array()[None]
         """(n, 3) [m, m, rad]"""
-        self.edges: list[Edge] = []
+        self.constraints: list[Constraint] = []
         self._solved: SuperLU | None = None
 
     def add_pose(self, pose: Pose2) -> int:
@@ -43,25 +43,25 @@ class PoseGraph:
         """Return the pose of a node."""
         return Pose2.from_array(self.poses[node])
 
-    def add_edges(self, edges: Iterable[Edge]) -> None:
+    def add_constraints(self, constraints: Iterable[Constraint]) -> None:
         """Add what was measured between poses."""
-        self.edges += edges
+        self.constraints += constraints
         self._solved = None
 
-    def keep_edges(self, kept: list[Edge]) -> None:
-        """Drop all other edges."""
-        self.edges = kept
+    def keep_constraints(self, kept: list[Constraint]) -> None:
+        """Drop all other constraints."""
+        self.constraints = kept
         self._solved = None
 
     def adjust(self, tail: float = TAIL) -> None:
         """Move the poses to where they fit what was measured.
 
         Args:
-            tail: squared residual from which on an edge hardly counts; infinite if all count.
+            tail: squared residual from which on a constraint hardly counts; infinite if all count.
         """
-        if not self.edges:
+        if not self.constraints:
             return
-        parts = EdgeArrays.of(self.edges, tail)
+        parts = ConstraintArrays.of(self.constraints, tail)
         cost = parts.cost(self.poses)
         for _ in range(STEPS):
             residuals = parts.residuals(self.poses)
@@ -81,15 +81,15 @@ class PoseGraph:
         self.poses[:, 2] = wrap_angle(self.poses[:, 2])
         self._solved = None
 
-    def squares(self) -> Array:
-        """Return the squared residual (m,) of each edge, in deviations."""
-        parts = EdgeArrays.of(self.edges)
+    def squares(self, constraints: list[Constraint]) -> Array:
+        """Return the squared residuals (m,) of constraints, in deviations."""
+        parts = ConstraintArrays.of(constraints)
         return parts.squares(parts.residuals(self.poses))
 
     def covariance(self, node: int, other: int) -> Array:
         """Return the covariance (3, 3) of a node's pose in another's frame [m, m, rad]."""
         if self._solved is None:
-            parts = EdgeArrays.of(self.edges)
+            parts = ConstraintArrays.of(self.constraints)
             weights = parts.weights(parts.residuals(self.poses))
             self._solved = _factorized(parts.jacobian(self.poses, weights))
         unknown = self._solved.shape[0]
@@ -99,8 +99,8 @@ class PoseGraph:
                 rows = range(3 * place - 3, 3 * place)
                 sides[rows, range(column, column + 3)] = 1.0
         # The change of the end's pose with both poses, times their joint covariance.
-        pair = Edge(other, node, Pose2(), np.eye(3))
-        change = EdgeArrays.of([pair]).jacobian(self.poses, np.ones(1)).toarray()[:, 3:]
+        pair = Constraint(other, node, Pose2(), np.eye(3))
+        change = ConstraintArrays.of([pair]).jacobian(self.poses, np.ones(1)).toarray()[:, 3:]
         relative: Array = change @ self._solved.solve(np.ascontiguousarray(change.T))
         return (relative + relative.T) / 2
 

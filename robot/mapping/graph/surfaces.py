@@ -19,8 +19,9 @@ FEWEST = 2
 """... and of at least so many to either side, where beams are far apart."""
 GAP = 0.2
 """Neighbouring ends are of one surface if they are nearer than this [m] ..."""
-GAP_SHARE = 0.12
-"""... or than this share of their range: far away, and aslant, beams are far apart."""
+SLANT = 7.0
+"""... or than so many times the distance of neighbouring beams there: aslant they meet a surface
+that far apart."""
 ROUGH = 0.05
 """Ends that lie farther beside a line [m, standard deviation] are of no wall."""
 RANGE_SD = 0.01
@@ -75,10 +76,11 @@ def surface_normals(points: Array, origins: Array) -> tuple[Array, Array, NDArra
     count = len(points)
     normals, spread = np.zeros((count, 2)), np.full(count, np.inf)
     joined = np.zeros(count, np.bool_)
+    apart = SLANT * _step(points - origins)
     for i in range(1, count):
         far = math.hypot(points[i, 0] - origins[i, 0], points[i, 1] - origins[i, 1])
         gap = math.hypot(points[i, 0] - points[i - 1, 0], points[i, 1] - points[i - 1, 1])
-        joined[i] = gap < max(GAP, GAP_SHARE * far)
+        joined[i] = gap < max(GAP, apart * far)
     for i in range(count):
         low = high = i
         while low > 0 and joined[low] and (i - low < FEWEST or _near(points, i, low - 1)):
@@ -93,6 +95,15 @@ def surface_normals(points: Array, origins: Array) -> tuple[Array, Array, NDArra
             continue
         _fit(points[low : high + 1], points[i] - origins[i], normals[i], spread[i : i + 1])
     return normals, spread, joined
+
+
+@njit(cache=True, nogil=True)
+def _step(beams: Array) -> float:
+    """Return the angle from beam to beam [rad], typically."""
+    if len(beams) < 2:
+        return 0.0
+    turns = np.diff(np.arctan2(beams[:, 1], beams[:, 0]))
+    return float(np.median(np.abs((turns + math.pi) % (2 * math.pi) - math.pi)))
 
 
 @njit(cache=True, nogil=True, inline="always")

@@ -7,7 +7,7 @@ import numpy as np
 from robot.geometry import Array, Pose2, turned_covariance
 from robot.localization.models.motion_models import MotionModel
 from robot.mapping.graph.branch_and_bound import NOWHERE, Window, best_pose
-from robot.mapping.graph.edges import Edge
+from robot.mapping.graph.constraints import Constraint
 from robot.mapping.graph.key_frames import KeyFrames
 from robot.mapping.graph.likelihood_pyramid import CELL
 from robot.mapping.graph.surfaces import Surfaces
@@ -35,15 +35,15 @@ def track(frames: KeyFrames, moved: Pose2, motion: MotionModel, surfaces: Surfac
     information = np.asarray(np.linalg.inv(covariance + np.diag(PRIOR_SD**2)), np.float64)
     predicted = graph.pose(last) @ moved
     node = frames.add(predicted, surfaces)
-    driven = Edge(last, node, moved, information, by_odometry=True)
-    graph.add_edges([driven])
+    driven = Constraint(last, node, moved, information, by_odometry=True)
+    graph.add_constraints([driven])
     local = frames.telling(range(max(0, node - LOCAL), node))
     if not local or not frames.telling([node]):
         return
     supposed = _on_local_map(frames, local, node, covariance)
-    edges = _matches(frames, local, node, supposed)
-    graph.add_edges(edges)
-    fitting = [*edges, driven] if edges else []
+    constraints = _matches(frames, local, node, supposed)
+    graph.add_constraints(constraints)
+    fitting = [*constraints, driven] if constraints else []
     graph.poses[node] = _fused(frames, fitting, supposed).to_array()
 
 
@@ -65,7 +65,7 @@ def _on_local_map(frames: KeyFrames, local: list[int], node: int, covariance: Ar
     return max(fits, key=lambda each: each[1])[0] if fits else predicted
 
 
-def _matches(frames: KeyFrames, local: list[int], node: int, pose: Pose2) -> list[Edge]:
+def _matches(frames: KeyFrames, local: list[int], node: int, pose: Pose2) -> list[Constraint]:
     """Return matches with the last scan, and with those that were taken nearest to here."""
 
     def away(other: int) -> float:
@@ -73,17 +73,17 @@ def _matches(frames: KeyFrames, local: list[int], node: int, pose: Pose2) -> lis
         return place.distance_to(pose) + 2 * abs(place.turn_to(pose))
 
     nearest = [local[-1], *sorted(local[:-1], key=away)[: NEIGHBOURS - 1]]
-    edges = (frames.edge(other, node, pose, GATE) for other in nearest)
-    return [edge for edge in edges if edge is not None]
+    constraints = (frames.constraint(other, node, pose, GATE) for other in nearest)
+    return [constraint for constraint in constraints if constraint is not None]
 
 
-def _fused(frames: KeyFrames, edges: list[Edge], supposed: Pose2) -> Pose2:
+def _fused(frames: KeyFrames, constraints: list[Constraint], supposed: Pose2) -> Pose2:
     """Return the pose of a node that fits what was measured of it from others."""
     total, pull = 1e-6 * np.eye(3), np.zeros(3)
-    for edge in edges:
-        begin = frames.graph.pose(edge.begin)
-        offset = supposed.offset_to(begin @ edge.moved)
-        information = turned_covariance(edge.information, begin.theta)
+    for constraint in constraints:
+        begin = frames.graph.pose(constraint.begin)
+        offset = supposed.offset_to(begin @ constraint.moved)
+        information = turned_covariance(constraint.information, begin.theta)
         # One that is off by many deviations is a jump of the odometry.
         weight = 1 / (1 + float(offset @ information @ offset) / 9)
         total += weight * information

@@ -21,6 +21,9 @@ from robot.scan import Scan
 ENDINGS = (".log", ".clf", ".log.gz", ".clf.gz")
 NO_RETURN_M = 80.0
 """CARMEN writes the laser's greatest range for beams without a return; SICK's are 81.9 m."""
+MOST_ALIKE = 8
+"""Of other lasers that greatest range is not known. But no wall is met by so many beams at the same
+range, to the centimetre, that is also the greatest of a scan."""
 OFFSET = "robot_frontlaser_offset"
 """Parameter that tells how far ahead of the robot's middle the laser sits [m]."""
 
@@ -94,7 +97,10 @@ def _robot_laser(words: list[str]) -> Measurement:
 
 def _measurement(stamp: float, bearings: Array, ranges: Array, poses: Array) -> Measurement:
     laser, robot = Pose2(*poses[:3].tolist()), Pose2(*poses[3:].tolist())
-    seen = np.where((ranges > 0) & (ranges < NO_RETURN_M), ranges, np.inf)
+    farthest = ranges.max(initial=0.0)
+    if np.count_nonzero(ranges == farthest) < MOST_ALIKE:
+        farthest = NO_RETURN_M
+    seen = np.where((ranges > 0) & (ranges < min(farthest, NO_RETURN_M)), ranges, np.inf)
     return Measurement(robot, Scan(stamp, bearings, seen, robot.inverse() @ laser))
 
 

@@ -12,11 +12,11 @@ from scipy.sparse import csr_matrix
 from robot.geometry import Array, Pose2, wrap_angle
 
 TAIL = 9.0
-"""Squared residual, in deviations, from which on an edge counts as an outlier (Cauchy)."""
+"""Squared residual, in deviations, from which on a constraint counts as an outlier (Cauchy)."""
 
 
 @dataclass(frozen=True, eq=False)
-class Edge:
+class Constraint:
     """What was measured of one pose from another."""
 
     begin: int
@@ -37,8 +37,8 @@ class Edge:
 
 
 @dataclass(frozen=True)
-class EdgeArrays:
-    """All edges as arrays."""
+class ConstraintArrays:
+    """All constraints as arrays."""
 
     begin: NDArray[np.intp]
     end: NDArray[np.intp]
@@ -47,16 +47,16 @@ class EdgeArrays:
     root: Array
     """(m, 3, 3); its square is the information."""
     tail: float
-    """Squared residual from which on an edge hardly counts."""
+    """Squared residual from which on a constraint hardly counts."""
 
     @classmethod
-    def of(cls, edges: list[Edge], tail: float = TAIL) -> EdgeArrays:
-        """Gather edges, of which there has to be at least one."""
+    def of(cls, constraints: list[Constraint], tail: float = TAIL) -> ConstraintArrays:
+        """Gather constraints, of which there has to be at least one."""
         return cls(
-            np.array([edge.begin for edge in edges]),
-            np.array([edge.end for edge in edges]),
-            np.array([edge.moved.to_array() for edge in edges]),
-            np.array([edge.root for edge in edges]),
+            np.array([constraint.begin for constraint in constraints]),
+            np.array([constraint.end for constraint in constraints]),
+            np.array([constraint.moved.to_array() for constraint in constraints]),
+            np.array([constraint.root for constraint in constraints]),
             tail,
         )
 
