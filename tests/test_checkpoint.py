@@ -37,7 +37,7 @@ def localization_of(program, kind, own=None):
         parameters,
         np.random.default_rng(3),
         own,
-        program.engine.localization.entries,
+        program.engine.localization.models.entries,
     )
 
 
@@ -107,7 +107,7 @@ def test_what_never_changes_is_not_copied(drive):
     assert restored is not straight
     assert restored._field is program.field
     assert restored.scanner is straight.scanner
-    assert restored.entries is straight.entries
+    assert restored.models.entries is straight.models.entries
     assert restored.own is straight.own
     mine, other = straight.localizer.filter, restored.localizer.filter
     assert mine.setup.matcher is other.setup.matcher

@@ -83,7 +83,9 @@ def followed(base: Base, parameters: LocalizationParameters) -> list[Snapshot]:
     controls = Controls(
         robot,
         Odometry(kinematics, program.config.odometry),
-        Localization(first.scanner, program.field, parameters, chance, entries=first.entries),
+        Localization(
+            first.scanner, program.field, parameters, chance, entries=first.models.entries
+        ),
         Driving(DriveController(kinematics, program.config.drive), 0.3),
         program.field.start,
     )

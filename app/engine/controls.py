@@ -112,7 +112,7 @@ class Controls:
 
     def stop_if_slow(self, wanted: LocalizationParameters) -> None:
         """Stop the robot before a change of parameters that takes longer than a step."""
-        if self.localization.is_slow_to_use(wanted):
+        if self.localization.models.is_slow_to_use(wanted):
             self.driving.stop()
             self.halt()
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from app.engine.own_models.own_models import OwnChoice
+from app.engine.own_models.own_models import OwnChoice, OwnModels
 from app.engine.steps_by_hand import HandState
 from robot.driving.odometry import OdometryState
 from robot.geometry import Pose2
@@ -33,6 +33,8 @@ class Follower:
     line_scan: LineScan | None = None
     """What a scanner found in the last picture."""
     parameters = LocalizationParameters()
+    own: OwnModels | None = None
+    """The user's own models; None if it can use none."""
 
     @property
     def cloud(self) -> Cloud:
@@ -62,22 +64,22 @@ class Follower:
     @property
     def choice(self) -> OwnChoice:
         """The user's own models in use and on offer."""
-        return OwnChoice()
+        return self.own.choice if self.own else OwnChoice()
 
     @property
     def fault(self) -> str | None:
-        """Why the robot has to stand still; None if it may drive."""
-        return None
+        """Why the robot has to stand still: a fault of an own model; None if it may drive."""
+        return self.own.fault if self.own else None
 
     @property
     def trace(self) -> str:
         """The calls that led to the fault in a user's file; empty if there is none."""
-        return ""
+        return self.own.trace if self.own else ""
 
     @property
     def complaints(self) -> Mapping[str, str | None]:
         """What is wrong, by topic; None if nothing is."""
-        return {}
+        return self.own.problems if self.own else {}
 
     def integrity_at(self, odom_from_robot: Pose2) -> Integrity:
         """Return the integrity of the estimate, carried forward to a later odometry pose."""
@@ -85,7 +87,7 @@ class Follower:
 
     def is_saved(self, stamp: float) -> bool:
         """Return whether the user saved a model in use since the last call, at a stamp [s]."""
-        return False
+        return self.own is not None and self.own.saved(stamp)
 
     def note(self, odom_from_robot: Pose2) -> None:
         """Note the present odometry pose, before commands that may set the filter's pose."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -28,7 +27,6 @@ from robot.localization.monitoring.monitor import Monitor
 from robot.localization.monitoring.mounting_check import Mounting
 from robot.localization.monitoring.steady_errors import SteadyErrors
 from robot.localization.parameters import LocalizationParameters
-from robot.localization.refinement import Refinement
 from robot.localization.weighing import Weighing
 from robot.scan import Scan
 from robot.scanning.line_scanner import LineScanner
@@ -67,8 +65,7 @@ class Localization(Follower):
             spec: the robot, for what its calibration leaves open; by default nobody measured it.
         """
         self.scanner: LineScanner = scanner
-        self.own = own or OwnModels(field)
-        """The user's own models."""
+        self.own: OwnModels = own or OwnModels(field)
         self.own.load(parameters)
         self.parameters = parameters
         self.configured = configured or parameters
@@ -85,23 +82,13 @@ class Localization(Follower):
         """The newest scan, and odometry at its stamp; None before the first."""
         self.remarks: tuple[Alert, ...] = ()
         """Reasons for doubt besides those that the monitor finds."""
-        self._models = FilterModels(field, self.own, entries)
+        self.models = FilterModels(field, self.own, entries)
+        """Of sensor and motion, and their table of distances."""
         setup = self._setup()
         self._monitor = Monitor(setup.evidence, Mounting.of(scanner.view), SteadyErrors.of(spec))
-        self.localizer = Localizer(
-            make_filter(setup, rng),
-            parameters.filter,
-            Refinement.of(setup),
-            setup.reach,
-            self._monitor,
-        )
+        self.localizer = Localizer.of(make_filter(setup, rng), setup, self._monitor)
         if start:
             self._begin()
-
-    @property
-    def entries(self) -> EntryField:
-        """The table of distances that the models use."""
-        return self._models.entries
 
     @property
     def cloud(self) -> Cloud:
@@ -123,7 +110,7 @@ class Localization(Follower):
         extra = self.localizer.filter.extra_sd
         best = None if self.belief is None else self.belief.pose(odometry)
         power = self.parameters.sensor.likelihood_weight
-        return Weighing(replace(scan, extra_sd=extra), self._models.sensor, power, best)
+        return Weighing(replace(scan, extra_sd=extra), self.models.sensor, power, best)
 
     @property
     def integrity(self) -> Integrity:
@@ -142,33 +129,9 @@ class Localization(Follower):
         return self.localizer.updates
 
     @property
-    def fault(self) -> str | None:
-        """What is wrong with a user's own model; the filter pauses until it is fixed."""
-        return self.own.fault
-
-    @property
-    def trace(self) -> str:
-        """The calls that led to the fault in a user's file; empty if there is none."""
-        return self.own.trace
-
-    @property
     def undoable(self) -> int:
         """How many changes of the belief can be undone."""
         return len(self.earlier)
-
-    @property
-    def choice(self) -> OwnChoice:
-        """The user's own models in use and on offer."""
-        return self.own.choice
-
-    @property
-    def complaints(self) -> Mapping[str, str | None]:
-        """What is wrong with the user's own models."""
-        return self.own.problems
-
-    def is_saved(self, stamp: float) -> bool:
-        """Return whether the user saved a model in use since the last call, at a stamp [s]."""
-        return self.own.saved(stamp)
 
     def note(self, odom_from_robot: Pose2) -> None:
         """Note the present odometry pose, before commands that may set the filter's pose."""
@@ -291,10 +254,6 @@ class Localization(Follower):
         self.belief = None
         self.by_hand.restart(self.localizer)
 
-    def is_slow_to_use(self, parameters: LocalizationParameters) -> bool:
-        """Return whether parameters need a new table of distances, which may take some seconds."""
-        return self._models.is_slow_to_use(parameters)
-
     def choose(self, choice: OwnChoice, parameters: LocalizationParameters) -> None:
         """Change the user's own models and the parameters; the filter keeps its belief."""
         if self.own.choose(choice):
@@ -324,9 +283,7 @@ class Localization(Follower):
             self.localizer.force_update()
         else:
             self.localizer.filter.use(setup)
-        self.localizer.parameters = parameters.filter
-        self.localizer.refinement = Refinement.of(setup)
-        self.localizer.reach = setup.reach
+        self.localizer.use(setup)
         self._monitor.use(setup.evidence)
 
     def _believe(self, estimate: Estimate | None, pose: Pose2) -> None:
@@ -334,4 +291,4 @@ class Localization(Follower):
             self.belief = Belief(estimate, pose)
 
     def _setup(self) -> Setup:
-        return self._models.setup(self.parameters)
+        return self.models.setup(self.parameters)

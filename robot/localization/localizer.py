@@ -52,6 +52,18 @@ class Localizer:
         self._odometry: Pose2 | None = None
         self._forced = True
 
+    @classmethod
+    def of(cls, belief: Filter, setup: Setup, monitor: Monitor | None = None) -> Localizer:
+        """Return a localizer with the parameters and models of a setup."""
+        parameters = setup.parameters.filter
+        return cls(belief, parameters, Refinement.of(setup), setup.reach, monitor)
+
+    def use(self, setup: Setup) -> None:
+        """Take the parameters and models of a setup from the next scan on."""
+        self.parameters = setup.parameters.filter
+        self.refinement = Refinement.of(setup)
+        self.reach = setup.reach
+
     def set_pose(self, pose: Pose2, covariance: Array | None = None) -> None:
         """Restart around a pose in the map; the default covariance (3, 3) is the parameters'."""
         self.filter.set_pose(

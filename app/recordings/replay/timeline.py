@@ -231,7 +231,7 @@ class Timeline:
     def _start_anew(self) -> None:
         engine = self.engine
         self.robot.go_to(ReadPosition())
-        fresh = self._begin(self._settings.changed, engine.localization.entries)
+        fresh = self._begin(self._settings.changed, engine.localization.models.entries)
         engine.controls.restore(fresh.controls.state)
         self._recorded_estimate = None
 

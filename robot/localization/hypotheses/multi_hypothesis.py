@@ -23,21 +23,19 @@ from robot.localization.hypotheses.candidate_weights import (
 from robot.localization.hypotheses.confirmation import FRESH, Confirmation, Kidnapping
 from robot.localization.hypotheses.local_map import LocalMap
 from robot.localization.hypotheses.place_search import PlaceSearch
+from robot.localization.hypotheses.search_schedule import FIRST, LOST, SearchSchedule
 from robot.localization.hypotheses.start_poses import (
     Prior,
     StartPose,
     find_start_clusters,
     start_tracks,
 )
-from robot.localization.hypotheses.track import Track, TrackFilter, distinct
+from robot.localization.hypotheses.track import Track, TrackFilter, distinct, joint_hypotheses
 from robot.localization.particles.resampling import effective_sample_size, joined_sample_size
 from robot.scan import Scan, rays_of
 
 BEAMS = 60
 """Rays of a scan by which hypotheses are weighed."""
-FIRST, LOST, SOON, LATE = 12, 2, 8, 64
-"""Scans before the first search, and before a search when lost; scans between searches that find
-something, and the most between searches that find nothing."""
 CONFIRMING = 0.5
 """A search that confirms a known place needs only this share of the returns of other searches."""
 LEAST_SHARE = 0.2
@@ -78,22 +76,12 @@ class MultiHypothesisFilter:
         self._start_is_given = True
         """Whether the start was given, and the place was neither lost nor changed since."""
         self._looseness = 1.0
-        self._wait = FIRST
-        """Scans until the next search."""
-        self._search_interval = SOON
-        """Current number of scans between searches."""
-        self._elsewhere = Kidnapping(FRESH)
         self.set_pose(setup.field.start, setup.parameters.filter.initial_covariance)
 
     @property
     def hypotheses(self) -> tuple[Hypothesis, ...]:
         """The hypotheses of all tracks, heaviest first; empty until a place is found."""
-        result = [
-            Hypothesis(item.weight * weight, item.pose, item.covariance)
-            for track, weight in zip(self._tracks, self._weights().tolist(), strict=True)
-            for item in track.hypotheses
-        ]
-        return tuple(sorted(result, key=lambda item: -item.weight))
+        return joint_hypotheses(self._tracks, self._weights())
 
     @property
     def cloud(self) -> Cloud:
@@ -130,8 +118,9 @@ class MultiHypothesisFilter:
     def use(self, setup: Setup) -> None:
         """Switch to other models and parameters, and keep all hypotheses."""
         if setup.hypotheses != self.setup.hypotheses:
-            self._local, self._search, self._wait = LocalMap.of(setup.hypotheses), None, FIRST
+            self._local, self._search = LocalMap.of(setup.hypotheses), None
             self._local.whole = False
+            self._schedule.wait(FIRST)
         self.setup = setup
         for track in self._tracks:
             track.filter.use(setup)
@@ -179,7 +168,7 @@ class MultiHypothesisFilter:
         for track in self._tracks:
             track.filter.correct(scan)
         if self._local.add(scan):
-            self._wait -= 1
+            self._schedule.count_scan()
             self._scans += 1
             if self._scans >= PRIOR_MAP_LENGTHS * self.setup.hypotheses.map_scans:
                 self._priors = []
@@ -243,7 +232,8 @@ class MultiHypothesisFilter:
     def _restart_search(self, scans: int) -> None:
         """Forget all but about the last ``scans`` scans: before them the robot was carried off."""
         self._local.begin_anew(max(scans, 1))
-        self._search, self._wait = None, LOST
+        self._search = None
+        self._schedule.wait(LOST)
         self._priors, self._lost_at = [], self._scans
         self._start_is_given = False
 
@@ -254,7 +244,7 @@ class MultiHypothesisFilter:
             back = self._local.since.inverse()
             alive = [track.pose @ back for track in self._tracks[:1]]
             self._search = PlaceSearch(self._local, alive, self.setup)
-            self._wait = self._search_interval
+            self._schedule.begin()
         elif self._search is not None and self._search.advance():
             self._add_places(self._search)
             self._search = None
@@ -263,7 +253,7 @@ class MultiHypothesisFilter:
         least = self.setup.hypotheses.least_hits
         if self._confirmation.is_due(self._scans, self._local):
             return self._local.hit_share >= CONFIRMING * least
-        return self._search is None and self._wait <= 0 and self._local.hit_share >= least
+        return self._search is None and self._schedule.is_due and self._local.hit_share >= least
 
     def _add_places(self, search: PlaceSearch) -> None:
         """Follow the places that a search has found."""
@@ -284,9 +274,8 @@ class MultiHypothesisFilter:
                 self._follow(place.pose, place.covariance, place.log_weight)
         # A new place that is not hopeless may be the first of several.
         more = len(self._tracks) > before
-        self._search_interval = SOON if more else min(2 * self._search_interval, LATE)
+        self._schedule.end(has_places=bool(places), more=more)
         if places:
-            self._wait = min(self._wait, self._search_interval)
             self._select()
         if whole and more:  # A better fit than a bad one is not certain yet.
             self._elsewhere.at_least(FRESH)
@@ -303,7 +292,7 @@ class MultiHypothesisFilter:
         self._priors = priors
         self._elsewhere = Kidnapping(p.log_kidnapped if tracks else FRESH)
         self._scans = self._lost_at = 0
-        self._search, self._wait, self._search_interval = None, FIRST, SOON
+        self._search, self._schedule = None, SearchSchedule()
         self._confirmation, self._start_is_given = Confirmation(bool(priors)), bool(priors)
         self._local = LocalMap.of(p)
 

@@ -194,3 +194,13 @@ def _around(pose: Array, covariance: Array) -> Array:
         poses[1 + i] += beside
         poses[4 + i] -= beside
     return poses
+
+
+def joint_hypotheses(tracks: list[Track], weights: Array) -> tuple[Hypothesis, ...]:
+    """Return the hypotheses of all tracks with weights (n,), heaviest first."""
+    result = [
+        Hypothesis(item.weight * weight, item.pose, item.covariance)
+        for track, weight in zip(tracks, weights.tolist(), strict=True)
+        for item in track.hypotheses
+    ]
+    return tuple(sorted(result, key=lambda item: -item.weight))

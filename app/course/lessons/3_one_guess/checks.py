@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from types import SimpleNamespace
 
 import numpy as np
@@ -11,13 +11,23 @@ import numpy as np
 from app.course.grader.case import REFERENCE, Case, Checks, Hypothesis, Outcome, Sign
 from app.course.grader.drawing import draw_scan
 from app.course.grader.forms import array_of, headings_apart
+from app.course.grader.mistaken_weights import (
+    HIT,
+    INVERSES,
+    JOINED,
+    NARROW,
+    RANDOM,
+    SIGMA,
+    WIDE,
+    WIDTHS,
+    distances,
+    ends,
+    weights_of,
+)
 from app.course.grader.tape_field import CELL, ORIGIN, TAPE, tape_field
 from app.course.grader.words import Words
 from robot.geometry import Array
 
-HIT, RANDOM = 0.95, 0.05
-"""Share of rays that end at tape, and of those that end anywhere."""
-SIGMA = 0.04
 TOLERANCE = 1e-6
 SQUARE = np.array([0.7, 0.8, 0.0])
 """Middle of the dashboard's square, whose lower side is where the lesson's is."""
@@ -50,7 +60,7 @@ def _case(poses: Array, scan: tuple[Array, Array], field: SimpleNamespace, kind:
         "many": "{count} guesses and {rays} rays, as a good camera has them.",
     }[kind]
     seen = np.isfinite(scan[1])
-    away = _distances(*_ends(poses, scan[0][seen], scan[1][seen], REFERENCE), field, REFERENCE)
+    away = distances(*ends(poses, scan[0][seen], scan[1][seen], REFERENCE), field, REFERENCE)
     values = {"count": len(poses), "rays": len(scan[0]), "distance": f"{1000 * away[0, 0]:.0f}"}
     arguments = (poses, *scan, field, SIGMA)
     return Case("log_weight", arguments, Words(text, values), kind, TOLERANCE)
@@ -98,112 +108,17 @@ def expected(case: Case, mistakes: frozenset[str]) -> Array:
     """The log-weights that formulas with mistakes give."""
     poses, bearings, ranges, field, sigma = case.arguments
     seen = np.isfinite(ranges)
-    x, y = _ends(poses, bearings[seen], ranges[seen], mistakes)
-    away = _distances(x, y, field, mistakes)
+    x, y = ends(poses, bearings[seen], ranges[seen], mistakes)
+    away = distances(x, y, field, mistakes)
     if "nearest" in mistakes:
-        clearance = _distances(poses[:, :1], poses[:, 1:2], field, mistakes)
+        clearance = distances(poses[:, :1], poses[:, 1:2], field, mistakes)
         away = np.abs(clearance - ranges[seen].min())
     with np.errstate(all="ignore"):
-        weights = _weight(away, sigma, mistakes)
+        weights = weights_of(away, sigma, mistakes)
     # An infinite range that is kept ends at the map's border, or wherever else no tape is.
     kept = (~seen).sum() if "far-away" in mistakes else 0
     weights += math.log(RANDOM) * kept
     return weights
-
-
-def _ends(
-    poses: Array, bearings: Array, ranges: Array, mistakes: frozenset[str]
-) -> tuple[Array, Array]:
-    headings = poses[:, 2:] * ("no-heading" not in mistakes)
-    if "heading-as-degrees" in mistakes:
-        headings = np.radians(headings)
-    if "bearings-as-degrees" in mistakes:
-        bearings = np.radians(bearings)
-    angles = headings - bearings if "bearing-subtracted" in mistakes else headings + bearings
-    if "heading-subtracted" in mistakes:
-        angles = bearings - headings
-    if "angles-as-degrees" in mistakes:
-        angles = np.radians(angles)
-    x, y = ranges * np.cos(angles), ranges * np.sin(angles)
-    if "place-lost" in mistakes:
-        return x, y
-    return poses[:, :1] + x, poses[:, 1:2] + y
-
-
-def _distances(x: Array, y: Array, field: SimpleNamespace, mistakes: frozenset[str]) -> Array:
-    start = field.origin
-    if "origin-ignored" in mistakes:
-        start = np.zeros(2)
-    if "origin-added" in mistakes:
-        start = -field.origin
-    if "origin-swapped" in mistakes:
-        start = field.origin[::-1]
-    shift = 0.5 if "rounded" in mistakes else 0.0
-    columns = np.floor((x - start[0]) / field.cell + shift).astype(int)
-    rows = np.floor((y - start[1]) / field.cell + shift).astype(int)
-    if "rows" in mistakes:
-        rows, columns = columns, rows
-    height, width = field.distances.shape
-    # A mistake may look beyond the map; what it finds there does not matter.
-    result: Array = field.distances[rows % height, columns % width]
-    return result
-
-
-NARROW = {"half-left-out": 0.5**0.5, "half": 0.5, "tenth": 0.1, "hundredth": 0.01, "mm": 0.001}
-NARROW |= {"fourth-power": SIGMA, "third-power": SIGMA**0.5}
-WIDE = {"first-power": SIGMA**-0.5, "twice": 2.0, "multiplied": SIGMA**-2}
-WIDTHS = NARROW | WIDE
-"""How wide the bell curve becomes, in sigmas."""
-
-
-def _weight(away: Array, sigma: float, mistakes: frozenset[str]) -> Array:
-    inverse = next((rule for name, rule in INVERSES.items() if name in mistakes), None)
-    if inverse is not None:
-        result: Array = inverse(away)
-        return result
-    width = sigma * next((value for name, value in WIDTHS.items() if name in mistakes), 1.0)
-    sign = 1.0 if "sign" in mistakes else -1.0
-    square = away if "no-square" in mistakes else away**2
-    fit = np.exp(sign * square / (2 * width**2))
-    if "outliers-inside" in mistakes:
-        fit = fit * math.exp(RANDOM) - RANDOM / HIT
-    likelihood = fit if "no-outliers" in mistakes or "product" in mistakes else HIT * fit + RANDOM
-    if "normal-density" in mistakes:
-        likelihood = HIT * fit / math.sqrt(2 * math.pi * width**2) + RANDOM
-    if "only-hits" in mistakes:
-        return _joined(HIT * fit, mistakes)
-    if "no-outliers" in mistakes:
-        total: Array = sign * (square / (2 * width**2)).sum(axis=1)
-        return total
-    return _joined(likelihood, mistakes)
-
-
-def _joined(likelihood: Array, mistakes: frozenset[str]) -> Array:
-    rule = next((rule for name, rule in JOINED.items() if name in mistakes), None)
-    return rule(likelihood) if rule else _log_sum(likelihood)
-
-
-def _log_sum(likelihood: Array) -> Array:
-    result: Array = np.log(likelihood).sum(axis=1)
-    return result
-
-
-JOINED: dict[str, Callable[[Array], Array]] = {
-    "mean": lambda likelihood: _log_sum(likelihood) / likelihood.shape[1],
-    "cubed": lambda likelihood: _log_sum(likelihood) / 3,
-    "sum": lambda likelihood: np.log(likelihood.sum(axis=1)),
-    "plain-sum": lambda likelihood: likelihood.sum(axis=1),
-    "plain": lambda likelihood: likelihood.prod(axis=1),
-    "plain-product": lambda likelihood: likelihood.prod(axis=1),
-    "product": lambda likelihood: np.log(likelihood.prod(axis=1)),
-    "late-logarithm": lambda likelihood: np.log(likelihood.prod(axis=1)),
-}
-INVERSES: dict[str, Callable[[Array], Array]] = {
-    "inverse-sum": lambda away: 1 / away.sum(axis=1),
-    "inverse-mean": lambda away: 1 / away.mean(axis=1),
-    "inverse-squares": lambda away: 1 / (away**2).sum(axis=1),
-    "inverse-sum-log": lambda away: -np.log(away.sum(axis=1)),
-}
 
 
 def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
@@ -234,7 +149,7 @@ def _underflow(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
 def _is_inverse(outcome: Outcome, given: Array) -> bool:
     """Return whether weights, or what they are the logarithm of, fall as one over the distances."""
     poses, bearings, ranges, field, _ = outcome.case.arguments
-    away = _distances(*_ends(poses, bearings, ranges, REFERENCE), field, REFERENCE)
+    away = distances(*ends(poses, bearings, ranges, REFERENCE), field, REFERENCE)
     with np.errstate(all="ignore"):
         for total in (away.sum(axis=1), (away**2).sum(axis=1)):
             for weight in (given, np.exp(given)):
@@ -261,7 +176,7 @@ def _narrow(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
 
 def _one_distance(outcome: Outcome) -> float:
     poses, bearings, ranges, field, _ = outcome.case.arguments
-    return float(_distances(*_ends(poses, bearings, ranges, REFERENCE), field, REFERENCE)[0, 0])
+    return float(distances(*ends(poses, bearings, ranges, REFERENCE), field, REFERENCE)[0, 0])
 
 
 def show(_case: Case, values: Array) -> str:
@@ -272,7 +187,7 @@ def show(_case: Case, values: Array) -> str:
 def picture(outcome: Outcome, _due: Array, _given: Array) -> str:
     """Draw the tape, the guesses, and where the first one's rays end."""
     poses, bearings, ranges, _, _ = outcome.case.arguments
-    x, y = _ends(poses[:1], bearings, ranges, REFERENCE)
+    x, y = ends(poses[:1], bearings, ranges, REFERENCE)
     return draw_scan(headings_apart(poses[:8]), np.stack([x[0], y[0]], axis=1)[:60], TAPE)
 
 
