@@ -21,7 +21,6 @@ LAPS = 3
 """Without a map, and while one is drawn, in turns."""
 LONGEST_S = 60.0
 """The adjustment after a lap is waited for so long [s]."""
-LOOK_S = 0.002
 
 
 def measure() -> Result:
@@ -42,7 +41,7 @@ def measure() -> Result:
             try:
                 with_map.append(_lap(program, pace))
                 _until_drawn(program, drawer)
-                corrections.append(_correction(drawer))
+                corrections.append(_correction(program, drawer))
             finally:
                 drawer.close()
     finally:
@@ -82,14 +81,14 @@ def _until_drawn(program: Program, drawer: MapDrawer) -> None:
         program.engine.step()
 
 
-def _correction(drawer: MapDrawer) -> float:
-    """Finish a map; return how long its adjustment takes [s]."""
+def _correction(program: Program, drawer: MapDrawer) -> float:
+    """Finish a map while the program goes on; return how long its adjustment takes [s]."""
     began = time.perf_counter()
     drawer.finish()
     while (drawing := drawer.drawing) is not None and drawing.state in ("draw", "finish"):
         if time.perf_counter() > began + LONGEST_S:
             raise RuntimeError(f"the map was not finished within {LONGEST_S:g} s")
-        time.sleep(LOOK_S)
+        program.engine.step()
     if drawing is None or drawing.state != "done":
         raise RuntimeError("the map failed" if drawing is None else f"the map: {drawing.words}")
     return time.perf_counter() - began

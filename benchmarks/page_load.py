@@ -32,7 +32,10 @@ def main() -> int:
         browser = playwright.chromium.launch(
             executable_path=shutil.which("chromium"), args=["--no-sandbox", "--disable-3d-apis"]
         )
-        _first_page(browser.new_context(viewport=SIZE).new_page(), url)
+        first = browser.new_context(viewport=SIZE)
+        _first_page(first.new_page(), url)
+        # A page that stays open would work beside the one that is measured.
+        first.close()
         page = browser.new_context(viewport=SIZE).new_page()
         _open(page, url)
         session = page.context.new_cdp_session(page)

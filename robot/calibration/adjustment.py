@@ -127,20 +127,24 @@ class Adjustment:
         self._start = start
         self._start_information = np.asarray(np.linalg.inv(start_covariance), np.float64)
 
-    def solve(self, state: State, weights: Weights, most: int = 30) -> Solution:
+    def solve(
+        self, state: State, weights: Weights, most: int = 30, errors: Array | None = None
+    ) -> Solution:
         """Improve a state until it changes no more (Gauss-Newton).
 
         Args:
             state: where to begin.
             weights: how much to believe.
             most: most iterations.
+            errors: the pixels' errors at about that state, from an earlier solution, if known.
 
         Raises:
             CalibrationError: the errors grow without end.
         """
         # The pixels' errors are known when edges were matched; without, even one step leads astray.
-        unsure = self._equations(state, weights, None)
-        equations = self._equations(state, weights, unsure.misses.pixels)
+        if errors is None:
+            errors = self._equations(state, weights, None).misses.pixels
+        equations = self._equations(state, weights, errors)
         for _ in range(most):
             try:
                 step, shared, covariance, pose_covariance = equations.solve()

@@ -106,25 +106,38 @@ class Sightings:
         right = pixels if errors is None else pixels - errors[seen]
         rays = self._rays(right, values[FOCAL])
         by_camera, by_pixel = self._derivatives(right, rays, values[FOCAL], turn, place[2])
-        points = at_edges = _on_floor(rays @ turn.T, place)
+        moved, shift = self._moved(seen, twists)
+        at_edges = _apply(moved, shift, _on_floor(rays @ turn.T, place))
+        points = at_edges
         if errors is not None:
-            points = _on_floor(self._rays(pixels, values[FOCAL]) @ turn.T, place)
-        # In the frame at the stamp, a row exposed later saw the floor from where the robot was.
-        v, omega = np.broadcast_to(twists[:, None], (*seen.shape, 2))[seen].T
-        late = self.late[seen]
-        moved = np.zeros((len(pixels), 2, 2))
-        moved[:, 0, 0] = moved[:, 1, 1] = 1
-        moved[:, 0, 1], moved[:, 1, 0] = -late * omega, late * omega
-        shift = np.column_stack([late * v, 0 * late])
-        points, at_edges = (
-            np.einsum("nij,nj->ni", moved, some) + shift for some in (points, at_edges)
-        )
+            rays = self._rays(pixels, values[FOCAL])
+            points = _apply(moved, shift, _on_floor(rays @ turn.T, place))
         return FloorPoints(
             _spread(points, seen),
             _spread(at_edges, seen),
             _spread(moved @ by_camera, seen),
             _spread(moved @ by_pixel, seen),
         )
+
+    def points(self, values: Array, twists: Array) -> Array:
+        """Return the ``FloorPoints.points`` alone (k, 2 r, 2) [m], which takes less time."""
+        pose = Differences(values).robot_from_camera(self.spec)
+        seen = np.isfinite(self.pixels[:, :, 0])
+        rays = self._rays(self.pixels[seen], values[FOCAL])
+        on_floor = _on_floor(rays @ pose[:3, :3].T, pose[:3, 3])
+        return _spread(_apply(*self._moved(seen, twists), on_floor), seen)
+
+    def _moved(self, seen: NDArray[np.bool_], twists: Array) -> tuple[Array, Array]:
+        """Return how the floor turned (n, 2, 2) and shifted (n, 2) since a picture's stamp.
+
+        In the frame at the stamp, a row exposed later saw the floor from where the robot was.
+        """
+        v, omega = np.broadcast_to(twists[:, None], (*seen.shape, 2))[seen].T
+        late = self.late[seen]
+        moved = np.zeros((len(late), 2, 2))
+        moved[:, 0, 0] = moved[:, 1, 1] = 1
+        moved[:, 0, 1], moved[:, 1, 0] = -late * omega, late * omega
+        return moved, np.column_stack([late * v, 0 * late])
 
     def _derivatives(
         self, pixels: Array, rays: Array, focal: float, turn: Array, height: float
@@ -152,6 +165,11 @@ class Sightings:
         # It sees at a pixel what the described one sees nearer to the centre.
         centre = self.spec.lens.matrix[:2, 2]
         return self.spec.lens.unproject(centre + (pixels - centre) / (1 + focal))
+
+
+def _apply(moved: Array, shift: Array, points: Array) -> Array:
+    result: Array = np.einsum("nij,nj->ni", moved, points) + shift
+    return result
 
 
 def _on_floor(down: Array, place: Array) -> Array:

@@ -60,7 +60,7 @@ class RaysOnFloor:
         pixels = np.concatenate([fan, log.first, log.pixels], axis=1)
         seen = Sightings.of_edges(replace(log, pixels=pixels), spec, Strokes.of((), 0.0).edges)
         twists = WheelMotion.of(log, spec).twists(state.values, state.slip)
-        local = seen.floor_points(state.values, twists).points
+        local = seen.points(state.values, twists)
         c, s = np.cos(state.poses[:, 2])[:, None], np.sin(state.poses[:, 2])[:, None]
         x = state.poses[:, :1] + c * local[..., 0] - s * local[..., 1]
         y = state.poses[:, 1:2] + s * local[..., 0] + c * local[..., 1]

@@ -146,8 +146,11 @@ class Mapper:
         """
         log, total = self._log, len(self._log.stamps)
         self.catch_up(report)
-        if self.mapped < total:
+        if self._solution is None or total - self.mapped >= WINDOW:
             self.grow(total)
+        elif self.mapped < total:
+            # So few are only laid on the strokes: all of the drive is adjusted below.
+            self._state = self._followed(*self._part(total))
         self._trace(total, FINE_SPACING)
         if not self._strokes.traced:
             raise MappingError("the pictures show too little tape for a map")
@@ -258,16 +261,20 @@ class Mapper:
         """Draw the strokes anew, from where the path lies by now, with nodes at a distance [m]."""
         seen, motion = self._part(count)
         state = self._state
-        floor = seen.floor_points(state.values, motion.twists(state.values, state.slip))
-        middles = Middles.of(floor.points, state.poses, self._width)
+        points = seen.points(state.values, motion.twists(state.values, state.slip))
+        middles = Middles.of(points, state.poses, self._width)
         traced = _traced(middles, 2 if count <= 2 * WINDOW else 3, spacing)
         self._strokes = Strokes.of(traced, self._width)
 
     def _adjust(self, count: int, stages: Sequence[Stage], start_sd: Array = LOOSE_SD) -> Solution:
+        last = self._solution
+        errors = last.misses.pixels if last is not None and len(last.state.poses) == count else None
         for stage in stages:
             state = replace(self._state, map=self._strokes.offsets)
             weights = Weights(sd=self._sd, gate=stage.gate, doubt=stage.doubt)
-            solution = self._adjustment(count, start_sd).solve(state, weights, stage.most)
+            adjustment = self._adjustment(count, start_sd)
+            solution = adjustment.solve(state, weights, stage.most, errors)
+            errors = solution.misses.pixels
             moved = self._strokes.moved_by(solution.state.map)
             solution, self._strokes = moved_to_start(solution, moved, self._start)
             self._state, self._covariance = solution.state, solution.pose_covariance
