@@ -20,6 +20,8 @@ CELL = 0.012
 """Side of a cell [m]."""
 DIRECTIONS = 6
 """Cells keep lines of so many directions apart, so that those that cross do not mix."""
+STRIDE = 1 << 24
+"""More cells than any map has side by side."""
 NEIGHBOUR = 0.08
 """Rays that meet the same tape have their middles closer together than this [m]."""
 WIDTH_ERROR = 0.012
@@ -88,15 +90,17 @@ class Cells:
 
     @classmethod
     def of(cls, middles: Middles, least_pictures: int) -> Cells:
-        """Return the cells that at least so many pictures saw."""
+        """Return the cells that, with those around them, at least so many pictures saw.
+
+        Beside a robot that drives along tape, rays meet it centimetres apart, and the next picture
+        is centimetres farther: none of these cells alone is seen often.
+        """
         places = np.floor(middles.points / CELL).astype(np.int64)
         sector = np.floor(middles.directions * (DIRECTIONS / math.pi)).astype(np.int64)
-        keys = np.column_stack([places, np.minimum(sector, DIRECTIONS - 1)])
-        _, cell = np.unique(keys, axis=0, return_inverse=True)
-        cell = cell.ravel()
+        keys = _keys(places, np.minimum(sector, DIRECTIONS - 1))
+        own, cell = np.unique(keys, return_inverse=True)
         counts = np.bincount(cell)
-        seen = np.unique(np.column_stack([cell, middles.picture]), axis=0)[:, 0]
-        pictures = np.bincount(seen, minlength=len(counts))
+        pictures = _pictures_around(own, keys, middles.picture)
         doubled = 2 * middles.directions
         sums = [
             np.bincount(cell, weights=values)
@@ -107,6 +111,24 @@ class Cells:
         kept = pictures >= least_pictures
         along = np.column_stack([np.cos(half), np.sin(half)])
         return cls(means[kept], along[kept], counts[kept])
+
+
+def _keys(places: NDArray[np.int64], sector: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return one number for each cell, by its place (n, 2) and its direction."""
+    return (places[:, 0] * STRIDE + places[:, 1]) * DIRECTIONS + sector
+
+
+def _pictures_around(
+    own: NDArray[np.int64], keys: NDArray[np.int64], picture: NDArray[np.intp]
+) -> NDArray[np.intp]:
+    """Return how many pictures saw each cell (c,), or one of the eight around it."""
+    around = np.array([x * STRIDE + y for x in (-1, 0, 1) for y in (-1, 0, 1)]) * DIRECTIONS
+    cell = np.searchsorted(own, keys[:, None] + around)
+    cell = np.minimum(cell, len(own) - 1)
+    there = own[cell] == keys[:, None] + around
+    most = int(picture.max(initial=0)) + 1
+    seen = np.unique((cell * most + picture[:, None])[there])
+    return np.bincount(seen // most, minlength=len(own))
 
 
 def trace(cells: Cells) -> list[Array]:
