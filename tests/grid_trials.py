@@ -21,7 +21,7 @@ from robot.fields.field_loading import load_field
 from robot.geometry import Pose2
 from robot.mapping.grid.beams import of_pictures, steps_of
 from robot.mapping.grid.fast_slam import TAPE, FastSlam
-from robot.mapping.mapper import moving
+from robot.mapping.moving import moving
 
 
 def main() -> None:

@@ -13,7 +13,6 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robot.calibration.adjustment import Solution, State, Weights
 from robot.calibration.drive_log import DriveLog
@@ -36,6 +35,7 @@ from robot.mapping.ends import RaysOnFloor
 from robot.mapping.joining import joined
 from robot.mapping.lengthwise import find_lengthwise
 from robot.mapping.map_adjustment import MapAdjustment
+from robot.mapping.moving import moving
 from robot.mapping.redundant import without_redundant
 from robot.mapping.refinement import refined
 from robot.mapping.seen_floor import SeenFloor
@@ -47,8 +47,6 @@ from robot.mapping.tape_map import MappingError, TapeMap
 from robot.mapping.tidying import tidied
 from robot.mapping.tracing import Cells, Middles, trace
 
-STEP_M, STEP_RAD = 0.02, 0.05
-"""A picture is used if the robot moved or turned so far since the last one."""
 WINDOW, WINDOW_SHARE = 8, 0.015
 """Pictures by which the window grows, and their share of all: long drives are adjusted less often,
 as each time all of the drive is."""
@@ -263,8 +261,10 @@ class Mapper:
         state = self._state
         points = seen.points(state.values, motion.twists(state.values, state.slip))
         middles = Middles.of(points, state.poses, self._width)
-        traced = _traced(middles, 2 if count <= 2 * WINDOW else 3, spacing)
-        self._strokes = Strokes.of(traced, self._width)
+        least = 2 if count <= 2 * WINDOW else 3
+        # While the path is rough, what was seen a few times may be a second copy of other tape.
+        cells = Cells.of(middles, least, sparse=spacing == FINE_SPACING)
+        self._strokes = Strokes.of(_traced(cells, spacing), self._width)
 
     def _adjust(self, count: int, stages: Sequence[Stage], start_sd: Array = LOOSE_SD) -> Solution:
         last = self._solution
@@ -289,19 +289,7 @@ def _check(log: DriveLog) -> None:
         raise MappingError("the robot stood still; it has to drive")
 
 
-def _traced(middles: Middles, least_pictures: int, spacing: float) -> tuple[Stroke, ...]:
-    lines = trace(Cells.of(middles, least_pictures))
+def _traced(cells: Cells, spacing: float) -> tuple[Stroke, ...]:
+    lines = trace(cells)
     fitted = [fit_stroke(line, bool(np.array_equal(line[0], line[-1])), spacing) for line in lines]
     return tuple(stroke for stroke in fitted if stroke is not None)
-
-
-def moving(log: DriveLog, spec: RobotSpec) -> NDArray[np.intp]:
-    """Return which pictures are used: the robot has moved since the last one."""
-    steps, _ = WheelMotion.of(log, spec).steps(np.zeros(COUNT), np.zeros((len(log.stamps) - 1, 2)))
-    kept, way, turn = [0], 0.0, 0.0
-    for k, step in enumerate(steps, start=1):
-        way, turn = way + float(np.hypot(step[0], step[1])), turn + abs(float(step[2]))
-        if way >= STEP_M or turn >= STEP_RAD:
-            kept.append(k)
-            way = turn = 0.0
-    return np.array(kept)

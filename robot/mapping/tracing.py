@@ -89,18 +89,22 @@ class Cells:
     """(c,) number of middles."""
 
     @classmethod
-    def of(cls, middles: Middles, least_pictures: int) -> Cells:
-        """Return the cells that, with those around them, at least so many pictures saw.
+    def of(cls, middles: Middles, least_pictures: int, *, sparse: bool) -> Cells:
+        """Return the cells that at least so many pictures saw.
 
-        Beside a robot that drives along tape, rays meet it centimetres apart, and the next picture
-        is centimetres farther: none of these cells alone is seen often.
+        Args:
+            middles: what pictures saw.
+            least_pictures: that saw a cell.
+            sparse: whether pictures of the cells around count, too. Beside a robot that drives
+                along tape, rays meet it centimetres apart, and the next picture is centimetres
+                farther: none of these cells alone is seen often.
         """
         places = np.floor(middles.points / CELL).astype(np.int64)
         sector = np.floor(middles.directions * (DIRECTIONS / math.pi)).astype(np.int64)
         keys = _keys(places, np.minimum(sector, DIRECTIONS - 1))
         own, cell = np.unique(keys, return_inverse=True)
         counts = np.bincount(cell)
-        pictures = _pictures_around(own, keys, middles.picture)
+        pictures = _pictures(own, keys, middles.picture, around=sparse)
         doubled = 2 * middles.directions
         sums = [
             np.bincount(cell, weights=values)
@@ -118,16 +122,20 @@ def _keys(places: NDArray[np.int64], sector: NDArray[np.int64]) -> NDArray[np.in
     return (places[:, 0] * STRIDE + places[:, 1]) * DIRECTIONS + sector
 
 
-def _pictures_around(
-    own: NDArray[np.int64], keys: NDArray[np.int64], picture: NDArray[np.intp]
+def _pictures(
+    own: NDArray[np.int64],
+    keys: NDArray[np.int64],
+    picture: NDArray[np.intp],
+    *,
+    around: bool,
 ) -> NDArray[np.intp]:
-    """Return how many pictures saw each cell (c,), or one of the eight around it."""
-    around = np.array([x * STRIDE + y for x in (-1, 0, 1) for y in (-1, 0, 1)]) * DIRECTIONS
-    cell = np.searchsorted(own, keys[:, None] + around)
-    cell = np.minimum(cell, len(own) - 1)
-    there = own[cell] == keys[:, None] + around
+    """Return how many pictures saw each cell (c,), or it and the eight around it."""
+    near = (-1, 0, 1) if around else (0,)
+    steps = np.array([x * STRIDE + y for x in near for y in near]) * DIRECTIONS
+    wanted = keys[:, None] + steps
+    cell = np.minimum(np.searchsorted(own, wanted), len(own) - 1)
     most = int(picture.max(initial=0)) + 1
-    seen = np.unique((cell * most + picture[:, None])[there])
+    seen = np.unique((cell * most + picture[:, None])[own[cell] == wanted])
     return np.bincount(seen // most, minlength=len(own))
 
 

@@ -20,7 +20,7 @@ from app.recordings.files.mcap_reader import open_recording
 from app.recordings.files.recorded import RecordingError
 from robot.geometry import Pose2
 from robot.mapping.grid.beams import Beams, of_pictures, steps_of
-from robot.mapping.mapper import moving
+from robot.mapping.moving import moving
 from robot.mapping.tape_map import MappingError
 
 STEP_M, STEP_RAD = 0.3, 0.2
