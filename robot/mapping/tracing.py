@@ -30,6 +30,9 @@ REACH = 0.05
 """A line goes on if its next cell is nearer than this [m]."""
 BEND = math.radians(28)
 """... and if its direction there differs by less than this [rad]."""
+CORNER, SHARP = 5, math.radians(50)
+"""A line that turns by so much within so many points goes round a corner, and ends before it: tape
+does not bend so sharply."""
 ASIDE = 0.014
 """Cells within this distance of a line belong to it [m]."""
 
@@ -176,6 +179,7 @@ class _Tracer:
     ) -> tuple[list[Array], bool]:
         cells = self._cells
         points: list[Array] = []
+        headings = [heading]
         place = start
         while True:
             near = np.array(self._tree.query_ball_point(place, REACH), dtype=np.intp)
@@ -200,6 +204,9 @@ class _Tracer:
             heading = turned / math.hypot(*turned)
             place = following
             points.append(following)
+            headings.append(heading)
+            if len(headings) > CORNER and headings[-1 - CORNER] @ heading < math.cos(SHARP):
+                return points[:-CORNER], False
 
     def _take_beside(self, start: Array, end: Array) -> None:
         """Take the cells beside a step, so that no second line runs along the first."""
