@@ -2,6 +2,7 @@
 
 import functools
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from laser_office import CELL as CELL_M
 from laser_office import drive, office, true_pose, write_bag
 
 from app.command_line import main
+from app.lab.trajectories.reading import parse_tum
 from robot.fields.grid_map import load_map_yaml
 from robot.geometry import Pose2
 from robot.mapping.graph.graph_slam import GraphSettings, GraphSlam
@@ -128,6 +130,18 @@ def test_a_bag_becomes_a_map(tmp_path: Path, capsys: pytest.CaptureFixture[str],
     far = np.hypot(*(cells[:, None] - walls).transpose(2, 0, 1)).min(axis=1)
     # Some beams meet people, whom the office's map does not have.
     assert (far < 0.1).mean() > 0.85
+
+
+def test_a_scan_with_an_earlier_stamp_is_left_out_and_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    _, steps, scans = rooms.lap(6, 8)
+    scans[4] = replace(scans[4], stamp=scans[3].stamp - 0.1)
+    rooms.write_log(tmp_path / "room.log", steps, scans, Pose2())
+    out = tmp_path / "room.yaml"
+    assert main(["map", str(tmp_path / "room.log"), "--out", str(out)]) == 0
+    assert "stamps do not rise: 1 scans" in capsys.readouterr().out
+    assert len(parse_tum(out.with_suffix(".tum").read_text(), "path").stamps) == 7
 
 
 def test_a_graph_needs_a_laser(capsys: pytest.CaptureFixture[str]) -> None:

@@ -71,13 +71,20 @@ def scans(parsed: argparse.Namespace) -> Iterator[Look]:
         BagError, SettingError, OSError: says what cannot be used.
     """
     last: Pose2 | None = None
+    newest, late = -np.inf, 0
     for odom_from_robot, scan in _measured(parsed):
+        if scan.stamp <= newest:
+            late += 1
+            continue
+        newest = scan.stamp
         moved = Pose2() if last is None else last.inverse() @ odom_from_robot
         near = np.hypot(moved.x, moved.y) < STEP_M and abs(moved.theta) < STEP_RAD
         if last is not None and near:
             continue
         last = odom_from_robot
         yield Look(scan.stamp, moved, Beams.of_scan(scan, REACH_M))
+    if late:
+        say(f"left out, as their stamps do not rise: {late} scans")
 
 
 def _measured(parsed: argparse.Namespace) -> Iterator[Measurement]:
