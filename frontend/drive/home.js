@@ -13,17 +13,19 @@ export class Home {
   /** @type {FieldMessage | null} */
   #field = null;
   #carried = false;
+  #button = findButton("home");
 
   /** @param {(command: Command) => Promise<boolean>} order @param {Toasts} toasts */
   constructor(order, toasts) {
     this.order = order;
     this.toasts = toasts;
-    findButton("home").onclick = () => this.go();
+    this.#button.onclick = () => this.go();
   }
 
   /** @param {FieldMessage} field */
   setField(field) {
     this.#field = field;
+    this.#button.disabled = false;
   }
 
   /** @param {TelemetryMessage} telemetry */

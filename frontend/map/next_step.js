@@ -25,6 +25,6 @@ export class NextStep {
     else this.#alike ??= stamp;
     if (this.#moved) return t("The filter was not told: drive, and see whether it notices.");
     if (this.#alike === null || stamp - this.#alike < LONG_S) return "";
-    return t("What the camera sees is the same at each: drive past something that differs, or press “set pose” and show the right one.");
+    return t("The camera sees the same at each: drive to where it differs, or “set pose”.");
   }
 }
