@@ -33,7 +33,7 @@ def test_lines_that_cross_are_two_and_a_ring_is_closed() -> None:
 def test_tape_that_is_seen_sparsely_is_one_line_as_well() -> None:
     """Rays meet tape beside the robot each 70 mm, and it drives 30 mm from picture to picture."""
     pictures, rays = np.meshgrid(np.arange(40), np.arange(7), indexing="ij")
-    x = (0.03 * pictures + 0.07 * rays).ravel()
+    x = (0.03 * pictures + 0.061 * rays).ravel()
     middles = Middles(np.column_stack([x, 0 * x]), 0 * x, pictures.ravel())
     (line,) = trace(Cells.of(middles, 3, sparse=True))
     # At its ends fewer rays meet it.

@@ -22,6 +22,8 @@ DIRECTIONS = 6
 """Cells keep lines of so many directions apart, so that those that cross do not mix."""
 STRIDE = 1 << 24
 """More cells than any map has side by side."""
+LEAST_SURE = 1 / 6
+"""Share of a line's cells that enough pictures saw, without those around them."""
 NEIGHBOUR = 0.08
 """Rays that meet the same tape have their middles closer together than this [m]."""
 WIDTH_ERROR = 0.012
@@ -90,6 +92,8 @@ class Cells:
     """(c, 2) unit vectors; either of two opposite ones."""
     counts: NDArray[np.intp]
     """(c,) number of middles."""
+    sure: NDArray[np.bool_]
+    """(c,) whether enough pictures saw it, without those around it."""
 
     @classmethod
     def of(cls, middles: Middles, least_pictures: int, *, sparse: bool) -> Cells:
@@ -107,7 +111,10 @@ class Cells:
         keys = _keys(places, np.minimum(sector, DIRECTIONS - 1))
         own, cell = np.unique(keys, return_inverse=True)
         counts = np.bincount(cell)
-        pictures = _pictures(own, keys, middles.picture, around=sparse)
+        sure = _pictures(own, keys, middles.picture, around=False) >= least_pictures
+        kept = sure
+        if sparse:
+            kept = _pictures(own, keys, middles.picture, around=True) >= least_pictures
         doubled = 2 * middles.directions
         sums = [
             np.bincount(cell, weights=values)
@@ -115,9 +122,8 @@ class Cells:
         ]
         half = np.arctan2(sums[3], sums[2]) / 2
         means = np.column_stack(sums[:2]) / counts[:, None]
-        kept = pictures >= least_pictures
         along = np.column_stack([np.cos(half), np.sin(half)])
-        return cls(means[kept], along[kept], counts[kept])
+        return cls(means[kept], along[kept], counts[kept], sure[kept])
 
 
 def _keys(places: NDArray[np.int64], sector: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -154,7 +160,13 @@ def trace(cells: Cells) -> list[Array]:
     for seed in np.argsort(-cells.counts, kind="stable"):
         if tracer.free[seed]:
             lines.append(tracer.line(int(seed)))
-    return [line for line in lines if len(line) > 2]
+    return [line for line in lines if len(line) > 2 and _is_sure(line, cells)]
+
+
+def _is_sure(line: Array, cells: Cells) -> bool:
+    """Return whether enough of a line's cells were seen often by themselves."""
+    away, _ = cKDTree(line).query(cells.points)
+    return float(cells.sure[away < ASIDE].mean()) >= LEAST_SURE
 
 
 class _Tracer:
