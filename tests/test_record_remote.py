@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import threading
+import time
 from contextlib import contextmanager
 from http import HTTPStatus
 from itertools import pairwise
@@ -17,6 +18,7 @@ from serving import ROOT
 from websockets.sync.server import serve
 
 from app.command_line import main
+from app.recordings.remote_robot import ANSWER_S, RemoteRobot
 from app.ros2.message_types import new, to_cdr
 
 TEXT = "std_msgs/msg/String"
@@ -193,3 +195,14 @@ def test_junk_ends_the_recording_in_words(tmp_path, capsys, junk):
         assert record(tmp_path, address) == 1
     assert "sent what is no message" in capsys.readouterr().err
     assert len(read(tmp_path)["/topic0"]) == 1
+
+
+def test_what_the_robot_still_sends_delays_no_end():
+    """More than the connection holds: whoever closes it has to wait for room, or give up."""
+    with other_robot(*[published()] * 100) as address:
+        robot = RemoteRobot(address)
+        robot.follow("/topic0", TEXT, 0.0)
+        assert robot.receive(10.0)
+        start = time.monotonic()
+        robot.close()
+        assert time.monotonic() - start < ANSWER_S / 2

@@ -75,6 +75,10 @@ def _message(data: bytes) -> Received:
 
 
 ANSWER_S = 10.0
+
+CLOSE_S = 1.0
+"""How long to wait for the robot's end of the connection [s]; a busy robot may answer late."""
+
 LARGEST = 64_000_000
 """Largest message [bytes]; those of topics are smaller."""
 
@@ -106,6 +110,7 @@ class RemoteRobot:
             self._socket: ClientConnection = connect(
                 f"ws://{self.place}/rosbridge",
                 open_timeout=ANSWER_S,
+                close_timeout=CLOSE_S,
                 max_size=LARGEST,
                 additional_headers=self._headers,
             )

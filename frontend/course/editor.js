@@ -28,7 +28,7 @@ export class Editor {
     this.#box.ontoggle = () => this.#box.open && this.#version === "" && this.#load();
     findButton("editor-load").onclick = () => this.#load();
     this.#save.onclick = () => this.#keep();
-    this.#field.oninput = () => this.#show();
+    this.#field.oninput = () => this.#edited();
     this.#field.onscroll = () => (this.#gutter.scrollTop = this.#field.scrollTop);
     this.#field.onkeydown = (event) => this.#key(event);
     addEventListener("beforeunload", (event) => this.#changed && event.preventDefault());
@@ -85,6 +85,11 @@ export class Editor {
     const rows = Array.from({ length: count }, (_, i) => `${this.#marked.has(i + 1) ? "▶ " : ""}${i + 1}`);
     setText(this.#gutter, rows.join("\n"));
     this.#save.disabled = !this.#changed;
+  }
+
+  /** Only an edit says so: the check's findings must not hide that a file could not be saved. */
+  #edited() {
+    this.#show();
     if (this.#changed) setText(this.#words, t("Not saved yet."));
   }
 
