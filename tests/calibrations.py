@@ -20,6 +20,9 @@ from robot.geometry import Array, Pose2, Twist2
 from sim.imperfections import draw
 from sim.simulated import no_wait
 
+HAND_BUILT, SEED = "hand-built", 530
+"""A robot that most tests calibrate."""
+
 SPEC = RobotSpec.load()
 SQUARE = load_field("square", MAPS)
 START_COVARIANCE = np.diag(np.square([0.05, 0.05, 0.17]))

@@ -8,7 +8,6 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 from serving import Server, answer, ask, serving, telemetry, until
@@ -117,10 +116,10 @@ def test_a_recording_that_fails_at_once_is_not_opened(folder, monkeypatch) -> No
     driver = Driver("a page")
     monkeypatch.setattr(RecordedRobot, "read", broken)
     with pytest.raises(RecordingError, match=f"{recorded.name} cannot be replayed: no such tick"):
-        outlets.open_recording(driver, recorded.name)
+        outlets.changes.open_recording(driver, recorded.name)
     assert made == []
     monkeypatch.undo()
-    outlets.open_recording(driver, recorded.name)
+    outlets.changes.open_recording(driver, recorded.name)
     following = made[0]()
     assert isinstance(following, ReplayProgram)
     stop = threading.Event()
@@ -141,7 +140,7 @@ def test_who_cannot_go_back_to_the_robot_stays_in_the_recording(
     replay = replay_after(before, listed(folder)[0].file.parent)
     made: list[Callable[[], Program]] = []
     monkeypatch.setattr(succession, "build_program", unplugged)
-    Outlets.close_recording(SimpleNamespace(_program=replay, _go_on=made.append))  # type: ignore[arg-type]
+    Outlets(replay, go_on=made.append).changes.close_recording()
     following = made[0]()
     assert isinstance(following, ReplayProgram)
     assert following.before == before.config

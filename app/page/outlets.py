@@ -36,27 +36,13 @@ from app.messages.map_commands import (
     SaveMapCommand,
     StartMapCommand,
 )
+from app.page.program_changes import ChangeMap, GoOn, ProgramChanges
 from app.recordings.contents import contents_of
-from app.recordings.library import find
 from app.recordings.recorder import Recorder
-from app.recordings.replay.opening import ReplayProgram
-from app.recordings.replay.succession import replay_after, robot_again, run_again
 from app.ros2.inbox import Inbox
 from app.ros2.publisher import TopicPublisher
 from app.ros2.source import TopicSource
 from app.ros2.websocket_routes import Foxglove, Rosbridge
-from app.settings.config import MAPS
-from app.settings.field_names import field_named
-from robot.errors import CommandError
-from robot.fields.field import FieldError
-from robot.fields.field_loading import load_field
-from robot.localization.estimate import Hypothesis
-
-ChangeMap = Callable[[str, Hypothesis | None], None]
-"""Goes on in another map, by its name, and with where the robot is in it; None is on another field,
-at its start."""
-GoOn = Callable[[Callable[[], Program]], None]
-"""Ends this program soon, and goes on with the one that is made then."""
 
 
 class LiveRoute(Protocol):
@@ -90,11 +76,6 @@ class Outlets:
             go_on: goes on with another program, whose robot is another one.
         """
         config = program.config
-        self._program = program
-        self._go_on = go_on
-        self._engine = program.engine
-        self._maps = config.mapping.path()
-        self._change_map = change_map
         self.drivers = Drivers.of(program)
         self.calibrator = DriveCalibrator(program, lambda: datetime.now(UTC))
         self.mapping = MapDrawer(program)
@@ -102,6 +83,9 @@ class Outlets:
         self.inbox = Inbox(program, self.publisher.source, self.drivers, self.carry_out)
         self.recorder = Recorder(
             self.publisher, config.recording, lambda: contents_of(program), datetime.now
+        )
+        self.changes = ProgramChanges(
+            program, self.drivers, self.mapping, self.recorder, change_map, go_on
         )
         self.rosbridge = Rosbridge(self.publisher, self.inbox)
         self.foxglove = Foxglove(self.publisher, self.inbox, config.ros2)
@@ -176,89 +160,6 @@ class Outlets:
             self.mapping.explore()
         self.drivers.put(driver, command)
 
-    def save_map(self, driver: Driver, command: SaveMapCommand) -> None:
-        """Save the map that was drawn, and go on in it if that is wanted.
-
-        Raises:
-            CommandError: there is none, it cannot be saved, or another client drives.
-        """
-        newest = self._engine.latest.get()
-        if command.use and (newest is None or self._change_map is None):
-            raise CommandError("this program cannot go on in another map; save it, and start anew")
-        if command.use:
-            self.drivers.require_free(driver)
-            self.mapping.require_done()
-        path = self.mapping.save(command.name, self._maps)
-        say(f"The map is {path}")
-        if command.use:
-            assert newest is not None and self._change_map is not None  # it was refused else
-            place = self.mapping.place(newest)
-            try:
-                load_field(str(path), MAPS).require_inside(place.pose)
-            except FieldError as error:
-                raise CommandError(f"the map is saved, but the robot is off it: {error}") from error
-            self._change_map(str(path), place)
-
-    def use_field(self, driver: Driver, command: UseFieldCommand) -> None:
-        """Go on with another field.
-
-        Raises:
-            CommandError: there is no such field, another client drives, or a map would be lost.
-        """
-        if self._change_map is None:
-            raise CommandError("this program cannot load another field; start it anew")
-        self._require_idle(driver)
-        name = field_named(command.name, self._maps)
-        try:
-            load_field(name, MAPS)
-        except FieldError as error:
-            raise CommandError(str(error)) from error
-        self._change_map(name, None)
-
-    def open_recording(self, driver: Driver, name: str) -> None:
-        """Go on with a recording in place of the robot.
-
-        Raises:
-            BrickPoseError: it cannot be replayed, another client drives, or a map would be lost.
-        """
-        if self._go_on is None:
-            raise CommandError("this program cannot open a recording; brickpose replay does")
-        self._require_idle(driver)
-        item = find(self._program.config.recording.path(), name)
-        following = replay_after(self._program, item.file.parent)
-        following.replay.begin()
-        self._go_on(lambda: following)
-
-    def run_again(self, driver: Driver) -> None:
-        """Go on with the last recording and today's parameters; one that runs ends first.
-
-        Raises:
-            BrickPoseError: nothing was recorded, or as ``open_recording``.
-        """
-        if self._go_on is None or self.recorder.folder is None:
-            raise CommandError("nothing is recorded of this drive; record, drive, and run it again")
-        self._require_idle(driver)
-        self.recorder.close()
-        following = run_again(self._program, self.recorder.folder)
-        following.replay.begin()
-        self._go_on(lambda: following)
-
-    def close_recording(self) -> None:
-        """Go back to the robot that the recording was opened from.
-
-        Raises:
-            CommandError: this program began with the recording.
-        """
-        program = self._program
-        before = program.before if isinstance(program, ReplayProgram) else None
-        if before is None or self._go_on is None:
-            raise CommandError("there is no robot to go back to; brickpose run starts one")
-        self._go_on(lambda: robot_again(program, before))
-
-    def _require_idle(self, driver: Driver) -> None:
-        self.drivers.require_free(driver)
-        self.mapping.require_none_lost()
-
     @property
     def failures(self) -> list[str]:
         """What is wrong now, in words."""
@@ -277,11 +178,11 @@ class Outlets:
 
 ACTS: Mapping[type[Command], Callable[[Outlets, Driver, Any], None]] = MappingProxyType(
     {
-        OpenRecordingCommand: lambda outlets, driver, command: outlets.open_recording(
+        OpenRecordingCommand: lambda outlets, driver, command: outlets.changes.open_recording(
             driver, command.name
         ),
-        RunAgainCommand: lambda outlets, driver, _: outlets.run_again(driver),
-        CloseRecordingCommand: lambda outlets, *_: outlets.close_recording(),
+        RunAgainCommand: lambda outlets, driver, _: outlets.changes.run_again(driver),
+        CloseRecordingCommand: lambda outlets, *_: outlets.changes.close_recording(),
         RecordCommand: lambda outlets, _, command: outlets.record(command.on),
         CalibrateCommand: lambda outlets, driver, command: outlets.calibrate(driver, command),
         FinishCalibrationCommand: lambda outlets, *_: outlets.calibrator.finish(),
@@ -302,8 +203,10 @@ ACTS: Mapping[type[Command], Callable[[Outlets, Driver, Any], None]] = MappingPr
         ),
         ExploreCommand: lambda outlets, driver, command: outlets.explore(driver, command),
         DiscardMapCommand: lambda outlets, *_: outlets.mapping.discard(),
-        SaveMapCommand: lambda outlets, driver, command: outlets.save_map(driver, command),
-        UseFieldCommand: lambda outlets, driver, command: outlets.use_field(driver, command),
+        SaveMapCommand: lambda outlets, driver, command: outlets.changes.save_map(driver, command),
+        UseFieldCommand: lambda outlets, driver, command: outlets.changes.use_field(
+            driver, command
+        ),
     }
 )
 """What carries out the commands that are not the engine's."""
