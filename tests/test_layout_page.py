@@ -215,7 +215,7 @@ class TestNeverStuck:
         u, v = page.evaluate("window.brickpose.mapPixel(0.1, 0.1)")
         page.mouse.click(u, v)
         expect(page.locator("button[data-tool=look]")).to_have_attribute("aria-pressed", "true")
-        expect(page.locator("#map-hint")).to_be_empty()
+        expect(page.locator("#map-hint")).to_contain_text("The filter was not told")
 
     def test_two_presses_measure(self, page):
         page.locator("button[data-tool=measure]").click()
@@ -266,6 +266,23 @@ class TestNeverStuck:
         wait(lambda now: abs(now["twist"]["v"] - 0.1) < 1e-6)
         page.locator("#stop").click()
         wait(lambda now: now["mode"] == "idle")
+
+
+def test_a_box_that_opens_closes_what_it_would_lie_on(page):
+    field, layout, calibration = (
+        page.locator(f"#{name}") for name in ("field", "layout", "calibration")
+    )
+    for name in ("calibration", "field", "layout"):
+        page.locator(f"#{name}-open").click()
+    expect(field).to_be_hidden()
+    expect(page.locator("#field-open")).to_have_attribute("aria-expanded", "false")
+    expect(layout).to_be_visible()
+    expect(calibration).to_be_visible()
+    page.keyboard.press("Escape")
+    expect(layout).to_be_hidden()
+    expect(page.locator("#layout-open")).to_be_focused()
+    page.locator("#calibration-close").click()
+    expect(calibration).to_be_hidden()
 
 
 def test_only_parameters_that_are_used_can_be_changed(page, server):

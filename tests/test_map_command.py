@@ -3,6 +3,7 @@
 from contextlib import suppress
 from pathlib import Path
 
+import laser_office
 import numpy as np
 import pytest
 from engine_runs import EIGHT
@@ -61,6 +62,12 @@ def test_a_recorded_drive_becomes_a_field_to_localize_in(
     assert last.pose is not None
     assert last.reading.truth is not None
     assert last.pose.distance_to(last.reading.truth) < 0.002
+
+
+def test_a_clock_that_does_not_exist_is_refused(tmp_path: Path, capsys) -> None:
+    bag = laser_office.write_bag(tmp_path / "office.mcap")
+    assert main(["map", str(bag), "--clock", "wall", "--out", str(tmp_path / "floor.yaml")]) == 2
+    assert "--clock is 'wall'; valid are header, log" in capsys.readouterr().err
 
 
 def test_a_robot_is_calibrated_along_with_the_map(

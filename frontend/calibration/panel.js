@@ -3,6 +3,7 @@ import { t, translated } from "../page/language.js";
 import { OwnDrive } from "../drive/own_drive.js";
 import { find, findButton, make, setText } from "../page/elements.js";
 import { millimetres, plain } from "../page/format.js";
+import { Popover } from "../page/popover.js";
 import { sentence } from "../page/toasts.js";
 import { getJson } from "../wire/http.js";
 import { UnknownRow } from "./row.js";
@@ -20,10 +21,9 @@ const HINT = t(
 
 /** Calibration by driving: the button, what is known so far, and the way back. */
 export class CalibrationPanel {
-  /** On a phone, where the drive panel has no header, there is another one. */
-  #openers = ["calibration-open", "calibration-more"].map(findButton);
   #more = findButton("more");
-  #panel = find("calibration", HTMLElement);
+  /** On a phone, where the drive panel has no header, there is another opener. */
+  #popover = new Popover("calibration", ["calibration-open", "calibration-more"], () => this.#shown());
   #state = find("calibration-state", HTMLElement);
   #progress = find("calibration-progress", HTMLProgressElement);
   #list = find("calibration-unknowns", HTMLElement);
@@ -49,11 +49,6 @@ export class CalibrationPanel {
   constructor(drive, order, connection) {
     this.drive = drive;
     this.#drives = new OwnDrive(drive, order, "calibrate");
-    for (const opener of this.#openers)
-      opener.onclick = () => this.#show(Boolean(this.#panel.hidden));
-    findButton("calibration-close").onclick = () => this.#show(false);
-    for (const part of [...this.#openers, this.#panel])
-      part.addEventListener("keydown", (event) => this.#key(event));
     this.#start.onclick = () => this.#drives.begin();
     this.#finish.onclick = () => order({ type: "finish_calibration" });
     this.#undo.onclick = () => order({ type: "undo_calibration" });
@@ -64,7 +59,7 @@ export class CalibrationPanel {
   follow(telemetry) {
     const drive = telemetry.calibration ?? null;
     this.#drives.follow(drive?.state === "drive");
-    if (this.#panel.hidden) return;
+    if (!this.#popover.shown) return;
     const key = `${drive?.state} ${drive?.adjusted} ${telemetry.robot.calibrated}`;
     if (key !== this.#loaded) this.#load(key);
     const driving = drive?.state === "drive";
@@ -103,19 +98,9 @@ export class CalibrationPanel {
     return sentence(t("Calibrated {measured}", { measured: about }));
   }
 
-  /** @param {boolean} open */
-  #show(open) {
-    this.#panel.hidden = !open;
-    for (const opener of this.#openers) opener.setAttribute("aria-expanded", String(open));
-    if (open) this.#more.setAttribute("aria-expanded", "false");
+  #shown() {
+    this.#more.setAttribute("aria-expanded", "false");
     this.#loaded = "";
-  }
-
-  /** @param {KeyboardEvent} event */
-  #key(event) {
-    if (event.key !== "Escape" || this.#panel.hidden) return;
-    this.#show(false);
-    this.#openers.find((opener) => opener.checkVisibility())?.focus();
   }
 
   /** @param {string} key */

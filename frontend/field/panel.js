@@ -22,8 +22,7 @@ export class FieldPanel {
     this.order = order;
     this.toasts = toasts;
     this.faults = new Faults(order);
-    this.popover = new Popover("field");
-    this.popover.box.addEventListener("shown", () => this.#read());
+    this.popover = new Popover("field", undefined, () => this.#read());
     find("field-form", HTMLFormElement).addEventListener("submit", (event) => {
       event.preventDefault();
       this.#use();

@@ -3,6 +3,7 @@ import { t } from "../page/language.js";
 import { OwnDrive } from "../drive/own_drive.js";
 import { find, findButton, findInput, make, setText } from "../page/elements.js";
 import { millimetres, plain } from "../page/format.js";
+import { Popover } from "../page/popover.js";
 import { sentence } from "../page/toasts.js";
 import { getJson } from "../wire/http.js";
 
@@ -19,10 +20,9 @@ const HINT = t(
 
 /** The map that is drawn by driving: its buttons, how far it is, and how well it fits. */
 export class MappingPanel {
-  /** On a phone, where the drive panel has no header, there is another one. */
-  #openers = ["mapping-open", "mapping-more"].map(findButton);
   #more = findButton("more");
-  #panel = find("mapping", HTMLElement);
+  /** On a phone, where the drive panel has no header, there is another opener. */
+  #popover = new Popover("mapping", ["mapping-open", "mapping-more"], () => this.#more.setAttribute("aria-expanded", "false"));
   #state = find("mapping-state", HTMLElement);
   #remarks = find("mapping-remarks", HTMLElement);
   #strokes = find("mapping-strokes", HTMLElement);
@@ -58,10 +58,6 @@ export class MappingPanel {
     this.order = order;
     this.draw = draw;
     this.#explores = new OwnDrive(drive, order, "explore");
-    for (const opener of this.#openers) opener.onclick = () => this.#show(Boolean(this.#panel.hidden));
-    findButton("mapping-close").onclick = () => this.#show(false);
-    for (const part of [...this.#openers, this.#panel])
-      part.addEventListener("keydown", (event) => this.#key(event));
     this.#start.onclick = () => order({ type: "start_map" });
     this.#explore.onclick = () => (this.#explores.mine ? this.#explores.end() : this.#explores.begin());
     this.#finish.onclick = () => {
@@ -81,7 +77,7 @@ export class MappingPanel {
     if (this.#awaited !== "" && field === this.#awaited) this.#arrive();
     const key = map && map.version > 0 ? `${map.state} ${map.version}` : "";
     if (key !== this.#loaded) this.#load(key);
-    if (this.#panel.hidden) return;
+    if (!this.#popover.shown) return;
     const state = map?.state ?? "";
     this.#start.hidden = state === "draw" || state === "finish" || state === "done";
     this.#start.disabled = !this.drive.possible || replay !== null;
@@ -122,7 +118,7 @@ export class MappingPanel {
   /** The robot goes on in the map that was saved. */
   #arrive() {
     this.#awaited = "";
-    this.#show(false);
+    this.#popover.show(false);
   }
 
   /** @param {string} key */
@@ -189,20 +185,6 @@ export class MappingPanel {
       if (first !== null && first !== stroke) await this.order({ type: "join_strokes", stroke: first, other: stroke, version });
     };
     return button;
-  }
-
-  /** @param {boolean} open */
-  #show(open) {
-    this.#panel.hidden = !open;
-    for (const opener of this.#openers) opener.setAttribute("aria-expanded", String(open));
-    if (open) this.#more.setAttribute("aria-expanded", "false");
-  }
-
-  /** @param {KeyboardEvent} event */
-  #key(event) {
-    if (event.key !== "Escape" || this.#panel.hidden) return;
-    this.#show(false);
-    this.#openers.find((opener) => opener.checkVisibility())?.focus();
   }
 }
 

@@ -1,17 +1,29 @@
 // @ts-check
 import { find, findButton } from "./elements.js";
 
-/** A box that a button opens and closes; Escape closes it, too, and gives the focus back. */
+/** @type {Popover[]} */
+const all = [];
+
+/**
+ * A box that a button opens and closes; Escape closes it, too, and gives the focus back. What it would lie on
+ * closes.
+ */
 export class Popover {
-  /** @param {string} name the box's id; its buttons are `name`-open and `name`-close */
-  constructor(name) {
+  /**
+   * @param {string} name the box's id; the button in it is `name`-close
+   * @param {string[]} openers ids of the buttons that open and close it: a phone may have another one
+   * @param {() => void} onShown called each time it opens
+   */
+  constructor(name, openers = [`${name}-open`], onShown = () => {}) {
     this.box = find(name, HTMLElement);
-    this.opener = findButton(`${name}-open`);
-    this.opener.onclick = () => this.show(this.box.hidden !== false);
+    this.openers = openers.map(findButton);
+    this.onShown = onShown;
+    for (const opener of this.openers) opener.onclick = () => this.show(!this.shown);
     findButton(`${name}-close`).onclick = () => this.#leave();
-    for (const part of [this.box, this.opener]) {
+    for (const part of [this.box, ...this.openers]) {
       part.addEventListener("keydown", (event) => this.#key(event));
     }
+    all.push(this);
   }
 
   get shown() {
@@ -21,13 +33,17 @@ export class Popover {
   /** @param {boolean} shown */
   show(shown) {
     this.box.hidden = !shown;
-    this.opener.setAttribute("aria-expanded", String(shown));
-    if (shown) this.box.dispatchEvent(new Event("shown"));
+    for (const opener of this.openers) opener.setAttribute("aria-expanded", String(shown));
+    if (!shown) return;
+    for (const other of all) {
+      if (other !== this && other.shown && overlap(this.box, other.box)) other.show(false);
+    }
+    this.onShown();
   }
 
   #leave() {
     this.show(false);
-    this.opener.focus();
+    this.openers.find((opener) => opener.checkVisibility())?.focus();
   }
 
   /** @param {KeyboardEvent} event */
@@ -36,4 +52,10 @@ export class Popover {
     event.preventDefault();
     this.#leave();
   }
+}
+
+/** @param {Element} one @param {Element} other */
+function overlap(one, other) {
+  const [a, b] = [one.getBoundingClientRect(), other.getBoundingClientRect()];
+  return a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
 }

@@ -3,6 +3,7 @@ import { t, translated } from "./language.js";
 import { HttpError, getJson } from "../wire/http.js";
 import { find, findButton, make, setText } from "./elements.js";
 import { minutes } from "./format.js";
+import { Popover } from "./popover.js";
 import { sentence } from "./toasts.js";
 
 /** @typedef {import("../messages").FieldMessage} FieldMessage */
@@ -19,7 +20,7 @@ export class Problems {
   #banner = find("banner", HTMLElement);
   #button = findButton("problems");
   #count = find("problems-count", HTMLElement);
-  #record = find("problems-list", HTMLElement);
+  #popover = new Popover("problems-list", ["problems"], () => this.#load());
   #list = find("problems-items", HTMLElement);
   #known = -1;
   #heard = 0;
@@ -36,10 +37,6 @@ export class Problems {
   #present = [];
 
   constructor() {
-    this.#button.onclick = () => this.#open(Boolean(this.#record.hidden));
-    this.#record.addEventListener("keydown", (event) => this.#key(event));
-    this.#button.addEventListener("keydown", (event) => this.#key(event));
-    findButton("problems-close").onclick = () => this.#open(false);
     setInterval(() => this.#say(), 500);
   }
 
@@ -60,7 +57,7 @@ export class Problems {
     setText(this.#count, String(this.#known));
     this.#button.setAttribute("aria-label", t("Problems: {count}", { count: this.#known }));
     this.#button.dataset.some = String(this.#known > 0);
-    if (!this.#record.hidden) this.#load();
+    if (this.#popover.shown) this.#load();
   }
 
   /** @param {LinkState} link */
@@ -101,20 +98,6 @@ export class Problems {
       // A failed program answers with the reason.
       this.#reason = error instanceof HttpError ? error.message : "";
     }
-  }
-
-  /** @param {boolean} open */
-  #open(open) {
-    this.#record.hidden = !open;
-    this.#button.setAttribute("aria-expanded", String(open));
-    if (open) this.#load();
-  }
-
-  /** @param {KeyboardEvent} event */
-  #key(event) {
-    if (event.key !== "Escape" || this.#record.hidden) return;
-    this.#open(false);
-    this.#button.focus();
   }
 
   async #load() {

@@ -1,6 +1,7 @@
 // @ts-check
 import { find, findButton, findInput, make } from "../page/elements.js";
 import { t } from "../page/language.js";
+import { Popover } from "../page/popover.js";
 import { getJson, send } from "../wire/http.js";
 import { recordingRow } from "./row.js";
 
@@ -11,8 +12,7 @@ import { recordingRow } from "./row.js";
 
 /** The recordings of this computer: a list to open, describe and delete; files can be dropped. */
 export class RecordingsPanel {
-  #button = findButton("recordings-open");
-  #panel = find("recordings", HTMLElement);
+  #popover = new Popover("recordings", undefined, () => this.#load());
   #list = find("recordings-items", HTMLElement);
   #file = findInput("recordings-file");
   #back = findButton("replay-end");
@@ -21,10 +21,6 @@ export class RecordingsPanel {
   constructor(order, toasts) {
     this.order = order;
     this.toasts = toasts;
-    this.#button.onclick = () => this.#show(Boolean(this.#panel.hidden));
-    findButton("recordings-close").onclick = () => this.#show(false);
-    for (const part of [this.#button, this.#panel])
-      part.addEventListener("keydown", (event) => this.#key(event));
     this.#back.onclick = () => order({ type: "close_recording" });
     this.#file.onchange = () => this.#take([...(this.#file.files ?? [])]);
     addEventListener("dragover", (event) => event.preventDefault());
@@ -34,13 +30,6 @@ export class RecordingsPanel {
   /** @param {ReplayMessage | null} replay */
   show(replay) {
     this.#back.hidden = !replay?.robot_waits;
-  }
-
-  /** @param {boolean} open */
-  #show(open) {
-    this.#panel.hidden = !open;
-    this.#button.setAttribute("aria-expanded", String(open));
-    if (open) this.#load();
   }
 
   async #load() {
@@ -56,7 +45,7 @@ export class RecordingsPanel {
 
   /** Go on with a recording in place of the robot. @param {string} name */
   async open(name) {
-    if (await this.order({ type: "open_recording", name })) this.#show(false);
+    if (await this.order({ type: "open_recording", name })) this.#popover.show(false);
   }
 
   /** @param {string} name @param {{name?: string, notes?: string}} change */
@@ -78,7 +67,7 @@ export class RecordingsPanel {
   /** Take files into the recordings of this computer. @param {File[]} files */
   async #take(files) {
     if (files.length === 0) return;
-    this.#show(true);
+    this.#popover.show(true);
     for (const file of files) {
       const name = file.name.replace(/(_0)?\.mcap$/, "");
       await this.#ask(name, "PUT", file);
@@ -97,12 +86,5 @@ export class RecordingsPanel {
       this.toasts.fail(error);
     }
     if (again) await this.#load();
-  }
-
-  /** @param {KeyboardEvent} event */
-  #key(event) {
-    if (event.key !== "Escape" || this.#panel.hidden) return;
-    this.#show(false);
-    this.#button.focus();
   }
 }

@@ -18,7 +18,7 @@ from app.lab.localize.pictures.command import localize_pictures
 from app.lab.localize.pictures.sequence import is_folder_of_pictures
 from app.lab.localize.reading.bag import Bag, BagError
 from app.lab.localize.reading.layout import choose, find_layout
-from app.lab.localize.reading.pairing import CLOCKS, Measurement, Pairing
+from app.lab.localize.reading.pairing import Measurement, Pairing, require_clock
 from app.lab.localize.results import PATH, PICTURE, WITHDRAWN, LocalizeRequest, write_results
 from app.lab.localize.settings import LocalizeSettings, load_settings
 from robot.fields.field import FieldError
@@ -73,8 +73,7 @@ def _refuse(parsed: argparse.Namespace, names: tuple[str, ...], given: str) -> N
 
 
 def _check(parsed: argparse.Namespace) -> None:
-    if parsed.clock not in CLOCKS:
-        raise SettingError(f"--clock is {parsed.clock!r}; valid are {', '.join(CLOCKS)}")
+    require_clock(parsed.clock)
     if not 0 <= parsed.seed < 2**32:
         raise SettingError(f"--seed is {parsed.seed}; valid is 0 to {2**32 - 1}")
     for name in ("initial_pose", "laser_pose"):

@@ -13,7 +13,7 @@ from app.console import say
 from app.lab.localize.reading.bag import Bag
 from app.lab.localize.reading.carmen import is_carmen_log, measurements
 from app.lab.localize.reading.layout import choose, find_layout
-from app.lab.localize.reading.pairing import Measurement, Pairing
+from app.lab.localize.reading.pairing import Measurement, Pairing, require_clock
 from app.lab.mapping.command import read_drive
 from app.recordings.attachments import SETTINGS
 from app.recordings.files.mcap_reader import open_recording
@@ -70,6 +70,7 @@ def scans(parsed: argparse.Namespace) -> Iterator[Look]:
     Raises:
         BagError, SettingError, OSError: says what cannot be used.
     """
+    require_clock(parsed.clock)
     last: Pose2 | None = None
     newest, late = -np.inf, 0
     for odom_from_robot, scan in _measured(parsed):

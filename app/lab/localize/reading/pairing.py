@@ -15,6 +15,7 @@ from app.lab.localize.reading.layout import Chosen, Layout
 from app.lab.localize.reading.transforms import Rigid3, frame_name
 from robot.geometry import Pose2, interpolate
 from robot.scan import Scan
+from robot.settings import SettingError
 
 JUMP_S = 10.0
 """A stamp is wrong if its offset jumps by more than this: no message takes that long [s]."""
@@ -95,6 +96,14 @@ class PoseTrack:
 
 
 CLOCKS = ("header", "log")
+
+
+def require_clock(name: str) -> None:
+    """Raise SettingError if this is not one of ``CLOCKS``."""
+    if name not in CLOCKS:
+        raise SettingError(f"--clock is {name!r}; valid are {', '.join(CLOCKS)}")
+
+
 MOST_WAITING = 200
 """Largest number of scans that wait for odometry; beyond it, the first is left out."""
 
