@@ -14,6 +14,7 @@ PIP_AUDIT := pip-audit==2.10.1
 MINUTES ?= 60
 # From kept bytecode a program starts in a third of the time; tests start hundreds.
 export PYTHONDONTWRITEBYTECODE :=
+APT_INSTALL := DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends
 NPM_CI := npm ci --prefix .venv --ignore-scripts --no-audit --no-fund --loglevel=error
 
 # Install a lock, then the project itself, whose files have no hash.
@@ -96,14 +97,14 @@ node-peers: .venv/bin/python ## npm's clients and readers, which the tests run a
 dds-peer: ## another vendor's DDS, which the tests of ROS 2 run against ours
 	@[ -e /usr/include/fastdds/dds/domain/DomainParticipant.hpp ] || \
 	{ [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null && apt-get update -qq && \
-	  DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends libfastrtps-dev >/dev/null; } || \
+	  $(APT_INSTALL) libfastrtps-dev >/dev/null; } || \
 	echo "Tests with a foreign DDS are skipped: sudo apt-get install libfastrtps-dev" >&2
 
 browser:
-	@command -v chromium chromium-browser google-chrome >/dev/null || \
+	@command -v chromium-headless-shell chromium chromium-browser google-chrome >/dev/null || \
 	{ [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null && apt-get update -qq && \
-	  DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends chromium >/dev/null; } || \
-	{ echo "The browser tests need Chromium: sudo apt-get install chromium" >&2; exit 1; }
+	  { $(APT_INSTALL) chromium-headless-shell || $(APT_INSTALL) chromium; } >/dev/null; } || \
+	{ echo "The browser tests need Chromium: sudo apt-get install chromium-headless-shell" >&2; exit 1; }
 
 .venv/bin/python:
 	@[ -n "$(PYTHON)" ] || { echo "Python 3.11 or newer is missing: https://www.python.org/downloads/" >&2; exit 1; }

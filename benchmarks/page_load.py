@@ -7,7 +7,6 @@ view would measure the graphics card.
 from __future__ import annotations
 
 import argparse
-import shutil
 import sys
 import time
 from collections.abc import Iterator
@@ -15,7 +14,7 @@ from contextlib import contextmanager
 
 from playwright.sync_api import CDPSession, Page, ViewportSize, sync_playwright
 
-from benchmarks.programs import server
+from benchmarks.programs import CHROMIUM, server
 
 SIZE: ViewportSize = {"width": 1600, "height": 1000}
 SECONDS = 20.0
@@ -30,7 +29,7 @@ def main() -> int:
     options = parser.parse_args()
     with _program(options.url) as url, sync_playwright() as playwright:
         browser = playwright.chromium.launch(
-            executable_path=shutil.which("chromium"), args=["--no-sandbox", "--disable-3d-apis"]
+            executable_path=CHROMIUM, args=["--no-sandbox", "--disable-3d-apis"]
         )
         first = browser.new_context(viewport=SIZE)
         _first_page(first.new_page(), url)

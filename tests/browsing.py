@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Iterator
 
 from playwright.sync_api import Browser, Page, expect
 from serving import Server, ask, until
 
-CHROMIUM = next(
-    filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None
-)
 # Without a graphics card a page is quickest when nothing pretends that there is one.
 NO_GL = ["--disable-gpu"]
 PATIENCE_MS = 60_000

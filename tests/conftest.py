@@ -103,10 +103,11 @@ def with_own():
 @pytest.fixture(scope="module")
 def chromium():
     """Starts Chromium with options; while it is there, asyncio.run is not to be had."""
-    from browsing import CHROMIUM
     from playwright.sync_api import sync_playwright
 
-    assert CHROMIUM, "these tests need Debian's package chromium"
+    from benchmarks.programs import CHROMIUM
+
+    assert CHROMIUM, "these tests need Debian's package chromium-headless-shell, or chromium"
     with sync_playwright() as playwright:
         yield lambda options: playwright.chromium.launch(
             executable_path=CHROMIUM, args=["--no-sandbox", *options]
