@@ -17,7 +17,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from app.lab.evaluation.drives import Drive, random_pose_on_eight, record
+from app.lab.evaluation.drives import Drive, Kidnap, random_pose_on_eight, record
 from app.lab.evaluation.integrity.oracle import field_decides
 from app.lab.trajectories.metrics import rms
 from app.settings.config import Config
@@ -175,7 +175,7 @@ def find_again(map_and_seed: tuple[str, int]) -> tuple[float, dict[str, Outcome]
         CARRIED_AT + CARRIED_FOR,
         start=start,
         elapsed=elapsed,
-        kidnap=(CARRIED_AT, elsewhere),
+        kidnap=Kidnap(CARRIED_AT, lambda _: elsewhere),
     )
     tried = {name: try_filter(drive, p, seed, start) for name, p in FINDERS_AGAIN.items()}
     after = CARRIED_AT + 0.05

@@ -22,7 +22,7 @@ from robot.localization.monitoring.claims import (
     claim,
     propagate_claim,
 )
-from robot.localization.monitoring.monitor import NO_DOUBT
+from robot.localization.monitoring.doubt import NO_DOUBT
 
 SURE = np.diag(np.square([0.001, 0.001, 0.003]))
 

@@ -55,3 +55,16 @@ def test_loosened_it_still_stays_on_the_robot(make: Make) -> None:
     assert max(errors[30:]) < 0.01
     assert f.standing is Standing.CONFIRMED
     check_sound(f)
+
+
+@each_filter
+def test_asked_to_search_anew_it_stays_sound_and_finds_its_place(make: Make) -> None:
+    f, drive = make(0), Drive()
+    f.set_pose(drive.true, NARROW)
+    follow(f, drive, 0.5)
+    f.search_anew()
+    check_sound(f)
+    errors = follow(f, drive, 6.0)
+    assert errors[-1] < 0.01
+    assert f.standing is Standing.CONFIRMED
+    check_sound(f)

@@ -28,6 +28,9 @@ class Notes:
     def loosen(self, factor: float) -> None:
         self.told.append(factor)
 
+    def search_anew(self) -> None:
+        self.told.append("search anew")
+
     def use(self, setup: Setup) -> None:
         self.told.append(setup)
 

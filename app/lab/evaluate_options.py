@@ -91,7 +91,8 @@ def _add_integrity(command: argparse.ArgumentParser) -> None:
         "--start",
         metavar="START",
         **several,
-        help="what is known of the pose (default: all): known, told-wrong, scattered, carried",
+        help="what is known of the pose (default: all): known, told-wrong, scattered, carried, "
+        "moved",
     )
     command.add_argument(
         "--first-seed", type=int, metavar="N", help="seed of the first robot (default: 0)"
@@ -102,7 +103,7 @@ def _add_integrity(command: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     command.add_argument(
         "--laps", type=int, metavar="N",
-        help="laps of the figure-eight (default: 1); carried drives take 17 s",
+        help="laps of the figure-eight (default: 1); carried drives take 17 s, moved ones 21 s",
     )  # fmt: skip
     _add_out(command)
     add_config(command)

@@ -171,6 +171,10 @@ class Filter(Protocol):
         """Multiply the motion model's standard deviations by ``factor`` from now on."""
         ...
 
+    def search_anew(self) -> None:
+        """Note that the robot was probably carried off while it stood."""
+        ...
+
     def set_pose(self, pose: Pose2, covariance: Array) -> None:
         """Restart around a pose in the map, with covariance (3, 3) [m, m, rad]."""
         ...

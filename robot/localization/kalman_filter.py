@@ -77,6 +77,9 @@ class KalmanFilter:
         """Always confirmed, because this filter does not search for other places."""
         return Standing.CONFIRMED
 
+    def search_anew(self) -> None:
+        """Change nothing, because this filter does not search for other places."""
+
     def use(self, setup: Setup) -> None:
         """Switch to other models and parameters, and keep the belief."""
         self.motion, self.matcher = setup.motion, matcher_of(setup)

@@ -9,13 +9,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from robot.geometry import Array, Pose2
-from robot.localization.estimate import SEARCHING, Estimate, Hypothesis, Integrity
+from robot.localization.estimate import SEARCHING, Estimate, Hypothesis, Integrity, State
 from robot.localization.filter import Cloud, Filter, Setup
 from robot.localization.grid.grid_filter import GridFilter
 from robot.localization.hypotheses.multi_hypothesis import MultiHypothesisFilter
 from robot.localization.kalman_filter import KalmanFilter
 from robot.localization.monitoring.claims import claim, propagate_claim
-from robot.localization.monitoring.monitor import NO_DOUBT, Monitor
+from robot.localization.monitoring.doubt import NO_DOUBT
+from robot.localization.monitoring.monitor import Monitor
 from robot.localization.parameters import FilterParameters
 from robot.localization.particles.particle_filter import ParticleFilter
 from robot.localization.refinement import Refinement
@@ -49,6 +50,12 @@ class Localizer:
         """The robot's current pose in the odom frame, for restarts; None: that of the next scan."""
         self.seen: Scan | None = None
         """The newest scan as the filter takes it, whether or not it was due."""
+        self._concluded: tuple[Hypothesis, ...] = ()
+        """Where the robot may be by the last scan that was used; empty before the first."""
+        self._was_certain = False
+        """Whether the claim about it was certain."""
+        self._still_fits = True
+        """Whether what was seen since then, while the robot stood, fits there."""
         self._odometry: Pose2 | None = None
         self._forced = True
 
@@ -118,8 +125,12 @@ class Localizer:
             known.
         """
         self.seen = self.trusted(scan)
-        if not (self._forced or self._is_due(self.moved(odometry))):
+        moved = self.moved(odometry)
+        if not (self._forced or self._is_due(moved)):
+            self._watch(moved, self.seen)
             return None
+        if self._was_certain and not self._still_fits:
+            self.filter.search_anew()
         self.advance(odometry)
         self.filter.correct(self.seen)
         return self.conclude(odometry, self.seen)
@@ -156,7 +167,9 @@ class Localizer:
                 heaviest, covariance=heaviest.covariance + self.monitor.doubt.covariance
             )
         estimate = replace(estimate, hypotheses=(heaviest, *estimate.hypotheses[1:]))
-        self.integrity = self._claim(estimate)
+        self._concluded = estimate.hypotheses
+        self.integrity = self._claim()
+        self._was_certain, self._still_fits = self.integrity.state is State.CERTAIN, True
         return estimate
 
     def estimate(self, stamp: float) -> Estimate | None:
@@ -166,12 +179,19 @@ class Localizer:
             self.integrity = SEARCHING
         return Estimate(stamp, hypotheses, self.filter.effective) if hypotheses else None
 
-    def _claim(self, estimate: Estimate) -> Integrity:
+    def _watch(self, moved: Pose2, seen: Scan) -> None:
+        """Claim less if a scan that is not due does not fit: something has changed."""
+        if self.monitor is not None and self._concluded:
+            self._still_fits = self.monitor.watch(self._concluded[0].pose @ moved, seen)
+            self.integrity = self._claim()
+
+    def _claim(self) -> Integrity:
         doubt = NO_DOUBT if self.monitor is None else self.monitor.doubt
-        return claim(estimate.hypotheses, self.filter.standing, doubt)
+        return claim(self._concluded, self.filter.standing, doubt)
 
     def _restart(self) -> None:
-        self.updates = 0
+        self.updates, self._concluded = 0, ()
+        self._was_certain, self._still_fits = False, True
         self.integrity = SEARCHING
         if self.monitor is not None:
             self.monitor.restart()

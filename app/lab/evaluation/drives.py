@@ -18,7 +18,7 @@ from app.engine.robots import robot_spec
 from app.engine.snapshot import Snapshot
 from app.lab.replay_robot import ReplayRobot
 from app.messages.commands import PauseCommand
-from app.messages.driving_commands import FigureEightCommand
+from app.messages.driving_commands import FigureEightCommand, StopCommand
 from app.settings.config import MAPS, Config
 from app.settings.groups import StartPoseSettings
 from robot.description.spec import RobotSpec
@@ -99,13 +99,31 @@ def random_pose_on_eight(
     return Pose2(theta=float(rng.uniform(-math.pi, math.pi))) @ on_path @ jitter
 
 
+@dataclass(frozen=True)
+class Kidnap:
+    """The robot is carried off, and does not notice."""
+
+    stamp: float
+    """When [s]; with the next reading."""
+    place: Callable[[Pose2], Pose2]
+    """Where it is put, by where it is."""
+    before: float = 0.0
+    """How long it stands before that [s]."""
+    after: float = 0.0
+    """How long it stands after that [s]."""
+
+    def stands(self, stamp: float) -> bool:
+        """Whether the robot stands at a stamp [s]."""
+        return self.stamp - self.before <= stamp < self.stamp + self.after
+
+
 def record(
     config: Config,
     seconds: float,
     *,
     start: Pose2 | None = None,
     elapsed: float = 0.0,
-    kidnap: tuple[float, Pose2] | None = None,
+    kidnap: Kidnap | None = None,
     scanner: LineScanner | None = None,
 ) -> Drive:
     """Drive the figure-eight and keep readings and scans, with the filter paused.
@@ -115,8 +133,7 @@ def record(
         seconds: how long to drive [s].
         start: start pose in the map; by default that of the field.
         elapsed: time on the figure-eight at the start [s].
-        kidnap: the stamp [s] at which the robot is carried off, and the pose where it is put; the
-            robot does not notice.
+        kidnap: when the robot is carried off, and where to.
     """
     field = load_field(config.map, MAPS)
     if start is not None:
@@ -130,12 +147,15 @@ def record(
     ticks: list[Tick] = []
     try:
         while not ticks or ticks[-1].stamp < seconds:
-            engine.commands.put(FigureEightCommand(type="figure_eight"))
+            stands = kidnap is not None and kidnap.stands(ticks[-1].stamp if ticks else 0.0)
+            engine.commands.put(
+                StopCommand(type="stop") if stands else FigureEightCommand(type="figure_eight")
+            )
+            before = ticks[-1].stamp if ticks else -math.inf
             ticks.append(_tick(engine.step()))
-            if kidnap is not None and ticks[-1].stamp >= kidnap[0]:
+            if kidnap is not None and before < kidnap.stamp <= ticks[-1].stamp:
                 assert isinstance(robot, RepositionableRobot)
-                robot.place(kidnap[1])
-                kidnap = None
+                robot.place(kidnap.place(ticks[-1].truth))
     finally:
         robot.close()
     return Drive(field, ticks)

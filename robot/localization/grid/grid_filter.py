@@ -99,6 +99,9 @@ class GridFilter:
         """It does not look for other places."""
         return Standing.CONFIRMED
 
+    def search_anew(self) -> None:
+        """Change nothing, because this filter does not search for other places."""
+
     def use(self, setup: Setup) -> None:
         """Go on with other models and parameters; the belief stays."""
         self.motion, self.sensor = setup.motion, setup.sensor

@@ -115,6 +115,15 @@ class MultiHypothesisFilter:
         for track in self._tracks:
             track.filter.loosen(factor)
 
+    def search_anew(self) -> None:
+        """Search for the place anew: the robot was probably carried off while it stood."""
+        for track in self._tracks:
+            track.born = self._scans
+        self._confirmation.lose(self._tracks)
+        self._confirmation.doubt(self._scans)
+        self._elsewhere.at_least(FRESH)
+        self._restart_search(0)
+
     def use(self, setup: Setup) -> None:
         """Switch to other models and parameters, and keep all hypotheses."""
         if setup.hypotheses != self.setup.hypotheses:
@@ -225,13 +234,13 @@ class MultiHypothesisFilter:
             self._confirmation.doubt(self._scans)
         if lost_now:
             self._confirmation.lose(self._tracks)
-            self._restart_search(self._elsewhere.doubts)
+            self._restart_search(max(self._elsewhere.doubts, 1))
         elif another:
-            self._restart_search(self._scans - self._tracks[0].born)
+            self._restart_search(max(self._scans - self._tracks[0].born, 1))
 
     def _restart_search(self, scans: int) -> None:
         """Forget all but about the last ``scans`` scans: before them the robot was carried off."""
-        self._local.begin_anew(max(scans, 1))
+        self._local.begin_anew(scans)
         self._search = None
         self._schedule.wait(LOST)
         self._priors, self._lost_at = [], self._scans

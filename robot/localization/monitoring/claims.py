@@ -8,7 +8,7 @@ from dataclasses import replace
 from robot.covariance import widest
 from robot.geometry import Array, Pose2
 from robot.localization.estimate import Hypothesis, Integrity, Standing, State
-from robot.localization.monitoring.monitor import Doubt
+from robot.localization.monitoring.doubt import Doubt
 
 PLACE_QUANTILE, HEADING_QUANTILE = 3.72, 3.29
 """Standard deviations that contain 99.9 %: of a position on a plane, and of a heading."""

@@ -8,13 +8,14 @@ far the pose may still be off.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 import numpy as np
 
 from robot.geometry import Array, Pose2, heading_angles, turned_covariance
-from robot.localization.estimate import Alert, Cause, Hypothesis
+from robot.localization.estimate import Cause, Hypothesis
 from robot.localization.monitoring.causes import Causes, Findings
+from robot.localization.monitoring.doubt import NO_DOUBT, Doubt
 from robot.localization.monitoring.mounting_check import LASER, Mounting, MountingCheck
 from robot.localization.monitoring.odometry_check import OdometryCheck, OdometryErrors
 from robot.localization.monitoring.scan_residuals import residual_sums
@@ -63,22 +64,6 @@ LATE_SURE, LATE_BLEND = 3.0, 0.1
 """Lateness is corrected above this many standard deviations, by this share of a change per scan."""
 
 
-@dataclass(frozen=True, slots=True)
-class Doubt:
-    """How far an estimate may be off by errors that its covariance does not include."""
-
-    covariance: Array = field(repr=False)
-    """(3, 3) [m, m, rad] of the errors that were found; zero if none was."""
-    unknown: Array = field(repr=False)
-    """(3, 3) of the errors that were not found, but cannot be excluded yet."""
-    alerts: tuple[Alert, ...]
-    fits: bool
-    """Whether the last scans fit at the estimate, and the steps of the pose agree with odometry."""
-
-
-NO_DOUBT = Doubt(np.zeros((3, 3)), np.zeros((3, 3)), (), True)
-
-
 class Monitor:
     """Checks each estimate, together with the scan that it was made from."""
 
@@ -109,6 +94,8 @@ class Monitor:
         self._seen = -math.inf
         """Stamp at which edges were last seen [s]."""
         self._fit = 1.0
+        self._torn = False
+        """Whether the steps of the pose do not agree with odometry."""
         self._fit_change = 0.0
         """Change of a ray's log-likelihood by scans that moved the pose to a worse fit (<= 0)."""
         self._doubted = -math.inf
@@ -124,7 +111,7 @@ class Monitor:
     def restart(self) -> None:
         """Restart at another given pose: keep the robot's errors, and drop the steps so far."""
         self._odometry.restart()
-        self._last, self._fit, self._fit_change = None, 1.0, 0.0
+        self._last, self._fit, self._fit_change, self._torn = None, 1.0, 0.0, False
         self._causes.forget()
         self.doubt = NO_DOUBT
 
@@ -214,14 +201,30 @@ class Monitor:
         )
         self._causes.judge(findings)
         self._follow_tilt()
-        self._wheels = _significant_errors(findings.odometry)
+        self._wheels = findings.odometry.of_wheels
         if used >= SEEING:
             self._seen = scan.stamp
         if self._causes.alerts:
             self._doubted = scan.stamp
         self.looseness = self._looseness(findings)
         self.lateness = self._lateness(findings.odometry)
+        self._torn = float(findings.odometry.rest.max()) > TORN
         self.doubt = self._doubt(hypothesis.pose, findings)
+
+    def watch(self, pose: Pose2, scan: Scan) -> bool:
+        """Judge what is seen while the robot stands, when no scan is due: it may be carried off.
+
+        Args:
+            pose: the robot in the map.
+            scan: the scan that was taken there, as ``corrected`` returns it.
+
+        Returns:
+            Whether the last scans fit.
+        """
+        for fit in self._fits([pose], rays_of(scan, BEAMS)):
+            self._take_fit(fit)
+        self.doubt = replace(self.doubt, fits=self._fit > 0 and not self._torn)
+        return self._fit > 0
 
     def _follow_tilt(self) -> None:
         """Take a tilt off the next scans; poses by another tilt are no start of a step.
@@ -241,19 +244,29 @@ class Monitor:
         return pose @ self.corrected_step(before.inverse() @ odometry)
 
     def _judge_fit(self, pose: Pose2, expected: Pose2 | None, rays: Array) -> None:
-        seeing = rays[~np.isnan(rays[:, 4])]
-        if not len(seeing):
+        fits = self._fits([pose] if expected is None else [pose, expected], rays)
+        if not fits:
             return
-        badly = self._evidence.background_log_likelihood(seeing)
-        poses = [pose.to_array()] if expected is None else [pose.to_array(), expected.to_array()]
-        better, *before = (self._evidence.log_likelihoods(np.array(poses), seeing) - badly).tolist()
-        if better == 0 and not np.isfinite(seeing[:, 3]).any():
-            return
-        self._fit += FITTING * (min(better, 1.0) - self._fit)
+        better, *before = fits
+        self._take_fit(better)
         self._fit_change *= 1 - FORGETTING
         for well in before:
             # A scan may move the pose anywhere from a place that did not fit anyway.
             self._fit_change += max(min(better - well, 0.0), -MOST_FIT_CHANGE) if well > 0 else 0.0
+
+    def _fits(self, poses: list[Pose2], rays: Array) -> list[float]:
+        """Return how much better rays fit at poses than at a bad one; [] if they say nothing."""
+        seeing = rays[~np.isnan(rays[:, 4])]
+        if not len(seeing):
+            return []
+        badly = self._evidence.background_log_likelihood(seeing)
+        places = np.array([pose.to_array() for pose in poses])
+        fits: list[float] = (self._evidence.log_likelihoods(places, seeing) - badly).tolist()
+        nothing = fits[0] == 0 and not np.isfinite(seeing[:, 3]).any()
+        return [] if nothing else fits
+
+    def _take_fit(self, fit: float) -> None:
+        self._fit += FITTING * (min(fit, 1.0) - self._fit)
 
     def _looseness(self, findings: Findings) -> float:
         rest = findings.odometry.rest
@@ -282,18 +295,8 @@ class Monitor:
             caused_spread,
             self._odometry.step_covariance if recently else NO_DOUBT.covariance,
         )
-        torn = float(errors.rest.max()) > TORN
         known = known + turned_covariance(self._measured, pose.theta)
-        return Doubt(known, unknown, self._causes.alerts, self._fit > 0 and not torn)
-
-
-def _significant_errors(errors: OdometryErrors) -> tuple[float, ...]:
-    """Return what exceeds one standard deviation of the wheels' errors (as in ``_wheels``)."""
-    values, variances = errors.values[1:4].tolist(), errors.covariance.diagonal()[1:4].tolist()
-    return tuple(
-        math.copysign(max(abs(value) - math.sqrt(variance), 0.0), value)
-        for value, variance in zip(values, variances, strict=True)
-    )
+        return Doubt(known, unknown, self._causes.alerts, self._fit > 0 and not self._torn)
 
 
 def _is_far(expected: Pose2, pose: Pose2) -> bool:

@@ -50,6 +50,18 @@ class OdometryErrors:
         place = ERRORS.index(name)
         return math.sqrt(float(self.covariance[place, place]))
 
+    @property
+    def of_wheels(self) -> tuple[float, ...]:
+        """What exceeds one standard deviation of the wheels' errors.
+
+        Forward [-], turn by distance [rad/m], and turn [-].
+        """
+        values, variances = self.values[1:4].tolist(), self.covariance.diagonal()[1:4].tolist()
+        return tuple(
+            math.copysign(max(abs(value) - math.sqrt(variance), 0.0), value)
+            for value, variance in zip(values, variances, strict=True)
+        )
+
 
 @dataclass(frozen=True, slots=True)
 class _Step:

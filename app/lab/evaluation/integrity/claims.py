@@ -21,9 +21,10 @@ from robot.geometry import Array, Pose2, wrap_angle
 from robot.localization.estimate import Cause, Integrity, State
 from robot.localization.models.entry_field import EntryField
 
-STARTS = ("known", "told-wrong", "scattered", "carried")
+STARTS = ("known", "told-wrong", "scattered", "carried", "moved")
 """What the filter knows at the start: the true pose, give or take 1 cm and 0.03 rad; a pose that
-is 0.14 m and 0.3 rad off; nothing; and nothing, with the robot carried off later."""
+is 0.14 m and 0.3 rad off; nothing; nothing, with the robot carried off later; and the true pose,
+with the robot moved a little while it stands."""
 
 TOLD = 8
 """Number of the random stream, beside the seed, that the error of a known start is drawn from."""
@@ -146,6 +147,7 @@ _STARTERS: dict[str, Callable[[Localization, Drive, Config], None]] = {
     "told-wrong": _tell_wrong,
     "scattered": _tell_nothing,
     "carried": _tell_nothing,
+    "moved": _tell_known,
 }
 
 

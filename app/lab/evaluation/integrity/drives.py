@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from app.lab.evaluation.drives import Drive, random_pose_on_eight, record
+from app.lab.evaluation.drives import Drive, Kidnap, random_pose_on_eight, record
 from app.settings.config import MAPS, Config
 from robot.description.spec import RobotSpec
 from robot.driving.figure_eight import FigureEight
@@ -164,6 +164,33 @@ def carried_drive(config: Config) -> TrialDrive:
     elapsed = float(rng.uniform(0, course.eight.lap))
     start, elsewhere = course.pose(rng, elapsed), course.pose(rng, elapsed + CARRY_STAMP)
     drive = record(
-        config, CARRY_SECONDS, start=start, elapsed=elapsed, kidnap=(CARRY_STAMP, elsewhere)
+        config,
+        CARRY_SECONDS,
+        start=start,
+        elapsed=elapsed,
+        kidnap=Kidnap(CARRY_STAMP, lambda _: elsewhere),
     )
+    return TrialDrive(drive, CARRY_STAMP)
+
+
+MOVED_SECONDS = 21.0
+"""Duration of a drive in which the robot is moved while it stands [s]."""
+MOVE = (0.05, 0.35)
+"""Shortest and longest way that a robot is moved while it stands [m]."""
+TURN_SD = 0.5
+"""Standard deviation of its turn in half of the drives [rad]; in the others, it is any."""
+
+
+def moved_drive(config: Config) -> TrialDrive:
+    """Drive for 21 s; it stands from 9.5 to 13 s, and at 11 s it is moved a little, unseen."""
+    course = course_on(load_field(config.map, MAPS), config)
+    config = replace(config, figure_eight=course.eight)
+    rng = np.random.default_rng([config.seed, PATH])
+    elapsed = float(rng.uniform(0, course.eight.lap))
+    start = course.pose(rng, elapsed)
+    way, bearing = rng.uniform(*MOVE), rng.uniform(-math.pi, math.pi)
+    turn = rng.uniform(-math.pi, math.pi) if rng.random() < 0.5 else rng.normal(0, TURN_SD)
+    moved = Pose2(way * math.cos(bearing), way * math.sin(bearing), float(turn))
+    kidnap = Kidnap(CARRY_STAMP, lambda pose: pose @ moved, before=1.5, after=2.0)
+    drive = record(config, MOVED_SECONDS, start=start, elapsed=elapsed, kidnap=kidnap)
     return TrialDrive(drive, CARRY_STAMP)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -10,7 +10,12 @@ from typing import Any
 from tqdm import tqdm
 
 from app.lab.evaluation.integrity.claims import STARTS, claims_csv, follow_claims
-from app.lab.evaluation.integrity.drives import TrialDrive, carried_drive, lap_drive
+from app.lab.evaluation.integrity.drives import (
+    TrialDrive,
+    carried_drive,
+    lap_drive,
+    moved_drive,
+)
 from app.lab.evaluation.integrity.measures import measures
 from app.lab.evaluation.integrity.oracle import decided_stamp, decision_measures
 from app.lab.evaluation.integrity.summary import Stanford, counted
@@ -20,7 +25,11 @@ from app.settings.config import MAPS, Config
 from robot.fields.field_loading import load_field
 from robot.settings import SettingError
 
-CARRIED = "carried"
+KIDNAPPED: dict[str, Callable[[Config], TrialDrive]] = {
+    "carried": carried_drive,
+    "moved": moved_drive,
+}
+"""Starts that need a drive of their own."""
 
 
 @dataclass(frozen=True)
@@ -54,8 +63,9 @@ class IntegrityExperiment:
 
     def jobs(self) -> list[IntegrityJob]:
         """Return all drives, grouped by field, as a worker keeps the tables of the last field."""
-        laps = tuple(start for start in self.starts if start != CARRIED)
-        groups = [group for group in (laps, (CARRIED,) * (CARRIED in self.starts)) if group]
+        laps = tuple(start for start in self.starts if start not in KIDNAPPED)
+        kidnapped = [(start,) for start in self.starts if start in KIDNAPPED]
+        groups = [group for group in (laps, *kidnapped) if group]
         return [
             IntegrityJob(self._config(name, condition, seed), condition, group, self.laps)
             for name in self.maps
@@ -91,8 +101,8 @@ class IntegrityRun:
 
 def do_job(job: IntegrityJob) -> list[IntegrityRun]:
     """Drive once and follow from each start; equal jobs have exactly equal outcomes."""
-    is_carried = CARRIED in job.starts
-    trial = carried_drive(job.config) if is_carried else lap_drive(job.config, job.laps)
+    make = KIDNAPPED.get(job.starts[0])
+    trial = lap_drive(job.config, job.laps) if make is None else make(job.config)
     return [_run(job, trial, start) for start in job.starts]
 
 

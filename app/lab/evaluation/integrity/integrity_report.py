@@ -14,7 +14,7 @@ from matplotlib.colors import LogNorm
 
 from app.lab.evaluation.integrity.claims import STATE, read_numbers
 from app.lab.evaluation.integrity.drives import CARRY_STAMP
-from app.lab.evaluation.integrity.experiment import CARRIED, IntegrityExperiment
+from app.lab.evaluation.integrity.experiment import KIDNAPPED, IntegrityExperiment
 from app.lab.evaluation.integrity.summary import (
     HEADING_BINS,
     NO_ALERT,
@@ -227,7 +227,7 @@ def _badness(row: Row) -> tuple[float, int, int, float]:
 
 def _worst_row(folder: Path, row: Row, is_plotted: bool) -> Row:
     path = f"runs/{row['map']}-{row['condition']}-{row['start']}/{row['seed']}.csv"
-    carry_stamp = CARRY_STAMP if row["start"] == CARRIED else None
+    carry_stamp = CARRY_STAMP if row["start"] in KIDNAPPED else None
     plot = None
     if is_plotted:
         numbers = read_numbers(folder / path)
