@@ -15,7 +15,7 @@ from robot.geometry import Array, Pose2
 
 
 def of_drive(count: int) -> tuple[Sightings, WheelMotion, Array, Array]:
-    log, true, path = driven(HAND_BUILT, SEED, 12.0)
+    log, true, path = driven(HAND_BUILT, SEED, 18.0)
     part = log.until(count)
     return Sightings.of(part, SPEC, SQUARE), WheelMotion.of(part, SPEC), true, path[:count]
 
