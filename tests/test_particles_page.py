@@ -31,6 +31,9 @@ def estimate(page: Page) -> dict:
 
 
 def pixel(page: Page, x: float, y: float) -> list[float]:
+    """Where a place is on the screen, once what has opened beside the map is drawn."""
+    frames = "new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))"
+    page.evaluate(frames)
     return page.evaluate("([x, y]) => window.brickpose.mapPixel(x, y)", [x, y])
 
 
@@ -84,6 +87,7 @@ def test_a_particle_is_asked_by_two_clicks_and_a_ghost_is_dragged(page: Page) ->
 def test_the_field_is_shaded_by_the_likelihood_of_the_scan(page: Page) -> None:
     page.locator("button[data-tool=ask]").click()
     box = page.locator("#particles")
+    expect(box).to_be_visible()
     place = estimate(page)
     page.mouse.click(*pixel(page, place["x"], place["y"]))
     expect(box.get_by_role("status").first).to_contain_text("A particle: it weighs")
