@@ -12,7 +12,7 @@ from app.engine.snapshot import Snapshot
 from app.lab.evaluation.integrity.claims import follow_claims
 from app.lab.evaluation.integrity.drives import CARRY_STAMP, moved_drive
 from app.lab.evaluation.integrity.measures import certain, longest, misleading
-from app.messages.commands import Command, PlaceCommand
+from app.messages.commands import Command, PauseCommand, PlaceCommand, ResumeCommand
 from app.messages.driving_commands import FigureEightCommand, StopCommand
 from app.settings.config import Config
 from robot.geometry import Pose2
@@ -88,6 +88,18 @@ def test_when_it_drives_on_it_may_be_at_any_place_that_looks_alike(
     turned = last.pose.to_array()[2] - true_pose(last).theta
     places = [Pose2(theta=turned).inverse() @ last.pose]
     assert places[0].distance_to(true_pose(last)) < 0.005
+
+
+def test_what_it_drove_while_the_filter_was_paused_is_not_taken_for_a_move(
+    program: Program, drive: Drive
+) -> None:
+    drive(EIGHT, 3.0)
+    drive(PauseCommand(type="pause"), 0.1)
+    drive(EIGHT, 2.0)
+    drive(STOP, 0.5)
+    drive(ResumeCommand(type="resume"), 0.1)
+    drive(STOP, 0.5)
+    assert drive(EIGHT, 1.0).integrity.state is State.CERTAIN
 
 
 def test_on_a_field_without_symmetry_it_is_not_certain_of_a_wrong_place() -> None:

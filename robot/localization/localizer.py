@@ -109,8 +109,7 @@ class Localizer:
         moved = self.moved(odometry)
         due = self._is_due(moved)
         if due:
-            self._odometry = odometry
-            self.filter.predict(self._as_wheels_are(moved))
+            self.advance(odometry)
             self.integrity = propagate_claim(self.integrity, moved)
         return due
 
@@ -141,6 +140,8 @@ class Localizer:
         # The odometry of the last step advances only with a prediction, so no motion is lost.
         self._odometry = odometry
         self.filter.predict(moved)
+        # What was concluded was of the place before this step.
+        self._concluded, self._was_certain, self._still_fits = (), False, True
         return moved
 
     def trusted(self, scan: Scan) -> Scan:
@@ -169,7 +170,7 @@ class Localizer:
         estimate = replace(estimate, hypotheses=(heaviest, *estimate.hypotheses[1:]))
         self._concluded = estimate.hypotheses
         self.integrity = self._claim()
-        self._was_certain, self._still_fits = self.integrity.state is State.CERTAIN, True
+        self._was_certain = self.integrity.state is State.CERTAIN
         return estimate
 
     def estimate(self, stamp: float) -> Estimate | None:
