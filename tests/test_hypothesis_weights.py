@@ -177,7 +177,7 @@ def test_what_was_told_of_the_start_counts_no_more_when_it_is_long_ago() -> None
     f = at_places((Pose2(), 0.0))
     f._scans = PRIOR_MAP_LENGTHS * DEFAULTS.hypotheses.map_scans - 1
     drive = Drive()
-    f._local.add(drive.scan())
+    f._searches.add(drive.scan())
     for moved, scan in drive.eight(0.2):
         f.predict(moved)
         f.correct(scan)

@@ -8,7 +8,7 @@ from square_drive import NARROW, ON_STUB, setup_of
 from stub_drive import ENTRIES, STUB, Drive
 
 from robot.geometry import Pose2
-from robot.localization.hypotheses.confirmation import FRESH, Kidnapping
+from robot.localization.hypotheses.kidnapping import FRESH, Kidnapping
 from robot.localization.localizer import make_filter
 from robot.scan import rays_of
 

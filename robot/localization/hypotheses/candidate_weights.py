@@ -72,29 +72,29 @@ def weigh_places(
         whole: whether the short map is the only evidence for the tracks; then no prior counts.
         p: the parameters; they say what a scan is worth.
     """
-    lives = search.places_apart_from([track.pose for track in tracks])
-    if not lives:
+    candidates = search.places_apart_from([track.pose for track in tracks])
+    if not candidates:
         return []
     reference, log_weight = _reference(search, tracks)
     worth = p.scan_worth * search.scans / search.scans_replayed
     places = []
-    for life in lives:
-        evidence = log_weight + worth * float((life.fits - reference).sum())
-        pose, weight = life.pose @ search.since, evidence
+    for candidate in candidates:
+        evidence = log_weight + worth * float((candidate.fits - reference).sum())
+        pose, weight = candidate.pose @ search.since, evidence
         if tracks and not whole:
             prior = log_prior(priors, pose, p.log_kidnapped)
             # One place elsewhere cannot be likelier than all places elsewhere together.
             weight = min(weight + prior, max(log_elsewhere, prior))
-        places.append(FoundPlace(pose, life.covariance, weight, evidence))
+        places.append(FoundPlace(pose, candidate.covariance, weight, evidence))
     return places
 
 
 def _reference(search: PlaceSearch, tracks: Sequence[Track]) -> tuple[Array, float]:
     """Return the fits and the log-weight of the heaviest replayed track, or of the best place."""
     for track in tracks:
-        life = search.rescored_at(track.pose)
-        if life is not None:
-            return life.fits, track.log_weight
+        candidate = search.rescored_at(track.pose)
+        if candidate is not None:
+            return candidate.fits, track.log_weight
     return search.best_rescored.fits, 0.0
 
 
@@ -110,10 +110,10 @@ def equal_tracks(
     worth = p.scan_worth * search.scans / search.scans_replayed
 
     def is_equal(track: Track) -> bool:
-        life = search.rescored_at(track.pose)
-        if life is None or leader is None or life is leader:
+        candidate = search.rescored_at(track.pose)
+        if candidate is None or leader is None or candidate is leader:
             return track.fits_like_best
-        return worth * float((life.fits - leader.fits).sum()) > EQUAL
+        return worth * float((candidate.fits - leader.fits).sum()) > EQUAL
 
     return [track.pose for track in tracks[1:] if is_equal(track)]
 

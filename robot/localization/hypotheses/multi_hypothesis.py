@@ -20,10 +20,10 @@ from robot.localization.hypotheses.candidate_weights import (
     missing_images,
     weigh_places,
 )
-from robot.localization.hypotheses.confirmation import FRESH, Confirmation, Kidnapping
-from robot.localization.hypotheses.local_map import LocalMap
+from robot.localization.hypotheses.confirmation import Confirmation
+from robot.localization.hypotheses.kidnapping import FRESH, Kidnapping
 from robot.localization.hypotheses.place_search import PlaceSearch
-from robot.localization.hypotheses.search_schedule import FIRST, LOST, SearchSchedule
+from robot.localization.hypotheses.searches import Searches
 from robot.localization.hypotheses.start_poses import (
     Prior,
     StartPose,
@@ -68,8 +68,7 @@ class MultiHypothesisFilter:
         """The given start; empty after ``scatter``, and when the start is long ago."""
         self._anywhere: Cloud
         """Displayed until a place is found."""
-        self._local: LocalMap
-        self._search: PlaceSearch | None = None
+        self._searches: Searches
         self._scans = 0
         """Number of scans kept since the start."""
         self._lost_at = 0  # ``_scans`` when the place was last lost; 0 is the start.
@@ -127,9 +126,7 @@ class MultiHypothesisFilter:
     def use(self, setup: Setup) -> None:
         """Switch to other models and parameters, and keep all hypotheses."""
         if setup.hypotheses != self.setup.hypotheses:
-            self._local, self._search = LocalMap.of(setup.hypotheses), None
-            self._local.whole = False
-            self._schedule.wait(FIRST)
+            self._searches.use(setup.hypotheses)
         self.setup = setup
         for track in self._tracks:
             track.filter.use(setup)
@@ -167,17 +164,14 @@ class MultiHypothesisFilter:
         """Move all hypotheses by a step of odometry."""
         for track in self._tracks:
             track.filter.predict(moved)
-        self._local.move(moved)
-        if self._search is not None:
-            self._search.move(moved)
+        self._searches.move(moved)
         self._priors = [prior.moved(moved, self.setup.motion) for prior in self._priors]
 
     def correct(self, scan: Scan) -> None:
         """Correct each hypothesis by a scan, weigh them, and search for more."""
         for track in self._tracks:
             track.filter.correct(scan)
-        if self._local.add(scan):
-            self._schedule.count_scan()
+        if self._searches.add(scan):
             self._scans += 1
             if self._scans >= PRIOR_MAP_LENGTHS * self.setup.hypotheses.map_scans:
                 self._priors = []
@@ -240,29 +234,23 @@ class MultiHypothesisFilter:
 
     def _restart_search(self, scans: int) -> None:
         """Forget all but about the last ``scans`` scans: before them the robot was carried off."""
-        self._local.begin_anew(scans)
-        self._search = None
-        self._schedule.wait(LOST)
+        self._searches.restart(scans)
         self._priors, self._lost_at = [], self._scans
         self._start_is_given = False
 
     def _look_around(self) -> None:
         """Begin a search for places, or do the next piece of it."""
         if self._is_search_due():
-            self._confirmation.begin(self._scans, self._local)
-            back = self._local.since.inverse()
-            alive = [track.pose @ back for track in self._tracks[:1]]
-            self._search = PlaceSearch(self._local, alive, self.setup)
-            self._schedule.begin()
-        elif self._search is not None and self._search.advance():
-            self._add_places(self._search)
-            self._search = None
+            self._confirmation.begin(self._scans, self._searches.local)
+            self._searches.begin(self._tracks[0].pose if self._tracks else None, self.setup)
+        elif (done := self._searches.advance()) is not None:
+            self._add_places(done)
 
     def _is_search_due(self) -> bool:
-        least = self.setup.hypotheses.least_hits
-        if self._confirmation.is_due(self._scans, self._local):
-            return self._local.hit_share >= CONFIRMING * least
-        return self._search is None and self._schedule.is_due and self._local.hit_share >= least
+        local, least = self._searches.local, self.setup.hypotheses.least_hits
+        if self._confirmation.is_due(self._scans, local):
+            return local.hit_share >= CONFIRMING * least
+        return self._searches.is_due and local.hit_share >= least
 
     def _add_places(self, search: PlaceSearch) -> None:
         """Follow the places that a search has found."""
@@ -283,7 +271,7 @@ class MultiHypothesisFilter:
                 self._follow(place.pose, place.covariance, place.log_weight)
         # A new place that is not hopeless may be the first of several.
         more = len(self._tracks) > before
-        self._schedule.end(has_places=bool(places), more=more)
+        self._searches.end(has_places=bool(places), more=more)
         if places:
             self._select()
         if whole and more:  # A better fit than a bad one is not certain yet.
@@ -301,9 +289,8 @@ class MultiHypothesisFilter:
         self._priors = priors
         self._elsewhere = Kidnapping(p.log_kidnapped if tracks else FRESH)
         self._scans = self._lost_at = 0
-        self._search, self._schedule = None, SearchSchedule()
         self._confirmation, self._start_is_given = Confirmation(bool(priors)), bool(priors)
-        self._local = LocalMap.of(p)
+        self._searches = Searches(p)
 
     def _weights(self) -> Array:
         return self._elsewhere.beside([track.log_weight for track in self._tracks])

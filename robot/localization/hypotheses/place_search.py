@@ -85,24 +85,24 @@ class PlaceSearch:
 
     def rescored_at(self, pose: Pose2) -> Rescored | None:
         """Return the replayed hypothesis that is now at a pose; None if there is none."""
-        for life in (*self.alive, *self.found):
-            if self._parameters.alike(life.pose @ self.since, pose):
-                return life
+        for candidate in (*self.alive, *self.found):
+            if self._parameters.alike(candidate.pose @ self.since, pose):
+                return candidate
         return None
 
     def places_apart_from(self, poses: Sequence[Pose2]) -> list[Rescored]:
         """Return the found places that are now at none of some poses."""
         alike = self._parameters.alike
         return [
-            life
-            for life in self.found
-            if not any(alike(life.pose @ self.since, pose) for pose in poses)
+            candidate
+            for candidate in self.found
+            if not any(alike(candidate.pose @ self.since, pose) for pose in poses)
         ]
 
     @property
     def best_rescored(self) -> Rescored:
         """The replayed hypothesis that fits best."""
-        return max((*self.alive, *self.found), key=lambda life: float(life.fits.sum()))
+        return max((*self.alive, *self.found), key=lambda candidate: float(candidate.fits.sum()))
 
     def move(self, moved: Pose2) -> None:
         """Add a step of odometry to ``since``."""

@@ -12,10 +12,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from robot.geometry import Array, Pose2, heading_angles, turned_covariance
+from robot.geometry import Pose2, heading_angles, turned_covariance
 from robot.localization.estimate import Cause, Hypothesis
 from robot.localization.monitoring.causes import Causes, Findings
 from robot.localization.monitoring.doubt import NO_DOUBT, Doubt
+from robot.localization.monitoring.fit_check import FitCheck
 from robot.localization.monitoring.mounting_check import LASER, Mounting, MountingCheck
 from robot.localization.monitoring.odometry_check import OdometryCheck, OdometryErrors
 from robot.localization.monitoring.scan_residuals import residual_sums
@@ -31,12 +32,6 @@ LAID_SD, LAID_SLOPE, LAID_GATE = 0.0003, 25.0, 0.03
 edges before it is checked."""
 LOOSE = np.diag(1 / np.square([0.03, 0.03, 0.1]))
 """Information by which the estimate then holds the pose: little [1/m², 1/m², 1/rad²]."""
-FITTING = 0.5
-"""Share of a new scan in the running mean of how well scans fit."""
-FORGETTING = 0.01
-"""Share of the sum ``_fit_change`` that is forgotten with each scan."""
-MOST_FIT_CHANGE = 1.5
-"""Most that one scan counts in ``_fit_change``: another place may have taken the lead."""
 TRUSTED, EXPLAINED = 0.95, 0.6
 """A place must weigh more than this, and explain more than this share of the returns, for errors of
 the robot to be learnt there."""
@@ -79,6 +74,7 @@ class Monitor:
             evidence: judges how well scans fit.
             errors: how large the robot's steady errors may be.
         """
+        self._fit = FitCheck(evidence)
         self.use(evidence)
         self._mounting = mounting
         self._measured = np.diag(errors.measured**2)
@@ -93,11 +89,8 @@ class Monitor:
         """Pose and odometry of the last scan."""
         self._seen = -math.inf
         """Stamp at which edges were last seen [s]."""
-        self._fit = 1.0
         self._torn = False
         """Whether the steps of the pose do not agree with odometry."""
-        self._fit_change = 0.0
-        """Change of a ray's log-likelihood by scans that moved the pose to a worse fit (<= 0)."""
         self._doubted = -math.inf
         """Stamp of the last alert [s]."""
         self.doubt = NO_DOUBT
@@ -111,13 +104,14 @@ class Monitor:
     def restart(self) -> None:
         """Restart at another given pose: keep the robot's errors, and drop the steps so far."""
         self._odometry.restart()
-        self._last, self._fit, self._fit_change, self._torn = None, 1.0, 0.0, False
+        self._fit.restart()
+        self._last, self._torn = None, False
         self._causes.forget()
         self.doubt = NO_DOUBT
 
     def use(self, evidence: RayEvidence) -> None:
         """Switch to the evidence of other parameters."""
-        self._evidence = evidence
+        self._evidence = self._fit.evidence = evidence
         self._matcher = ScanMatcher(
             evidence.index, evidence.range_max, LAID_SD, LAID_GATE, LAID_SLOPE
         )
@@ -179,10 +173,10 @@ class Monitor:
             roll,
             self._camera.exactness,
         )
-        self._judge_fit(hypothesis.pose, expected, rays)
+        self._fit.observe(rays, hypothesis.pose, expected)
         self._last = hypothesis.pose, odometry
         # At a wrong place, nothing can be learnt about the robot's errors.
-        trusted = hypothesis.weight > TRUSTED and self._fit > 0 and used > EXPLAINED * returned
+        trusted = hypothesis.weight > TRUSTED and self._fit.fits and used > EXPLAINED * returned
         if trusted:
             self._camera.observe(sums, used, elapsed)
             self._odometry.observe(scan.stamp, hypothesis.pose, odometry, hypothesis.covariance)
@@ -197,7 +191,7 @@ class Monitor:
             returned,
             spread,
             math.sqrt(float(np.trace(hypothesis.covariance[:2, :2]))),
-            self._fit_change,
+            self._fit.change,
         )
         self._causes.judge(findings)
         self._follow_tilt()
@@ -221,10 +215,9 @@ class Monitor:
         Returns:
             Whether the last scans fit.
         """
-        for fit in self._fits([pose], rays_of(scan, BEAMS)):
-            self._take_fit(fit)
-        self.doubt = replace(self.doubt, fits=self._fit > 0 and not self._torn)
-        return self._fit > 0
+        self._fit.observe(rays_of(scan, BEAMS), pose)
+        self.doubt = replace(self.doubt, fits=self._fit.fits and not self._torn)
+        return self._fit.fits
 
     def _follow_tilt(self) -> None:
         """Take a tilt off the next scans; poses by another tilt are no start of a step.
@@ -242,31 +235,6 @@ class Monitor:
             return None
         pose, before = self._last
         return pose @ self.corrected_step(before.inverse() @ odometry)
-
-    def _judge_fit(self, pose: Pose2, expected: Pose2 | None, rays: Array) -> None:
-        fits = self._fits([pose] if expected is None else [pose, expected], rays)
-        if not fits:
-            return
-        better, *before = fits
-        self._take_fit(better)
-        self._fit_change *= 1 - FORGETTING
-        for well in before:
-            # A scan may move the pose anywhere from a place that did not fit anyway.
-            self._fit_change += max(min(better - well, 0.0), -MOST_FIT_CHANGE) if well > 0 else 0.0
-
-    def _fits(self, poses: list[Pose2], rays: Array) -> list[float]:
-        """Return how much better rays fit at poses than at a bad one; [] if they say nothing."""
-        seeing = rays[~np.isnan(rays[:, 4])]
-        if not len(seeing):
-            return []
-        badly = self._evidence.background_log_likelihood(seeing)
-        places = np.array([pose.to_array() for pose in poses])
-        fits: list[float] = (self._evidence.log_likelihoods(places, seeing) - badly).tolist()
-        nothing = fits[0] == 0 and not np.isfinite(seeing[:, 3]).any()
-        return [] if nothing else fits
-
-    def _take_fit(self, fit: float) -> None:
-        self._fit += FITTING * (min(fit, 1.0) - self._fit)
 
     def _looseness(self, findings: Findings) -> float:
         rest = findings.odometry.rest
@@ -296,7 +264,7 @@ class Monitor:
             self._odometry.step_covariance if recently else NO_DOUBT.covariance,
         )
         known = known + turned_covariance(self._measured, pose.theta)
-        return Doubt(known, unknown, self._causes.alerts, self._fit > 0 and not self._torn)
+        return Doubt(known, unknown, self._causes.alerts, self._fit.fits and not self._torn)
 
 
 def _is_far(expected: Pose2, pose: Pose2) -> bool:

@@ -140,6 +140,29 @@ class TrialDrive:
     """The last stamp before the robot is carried off [s]; None if it never is."""
 
 
+class _Path:
+    """The path of a seed: the figure-eight that fits the field, begun at a random pose on it."""
+
+    def __init__(self, config: Config) -> None:
+        self._course = course_on(load_field(config.map, MAPS), config)
+        self._config = replace(config, figure_eight=self._course.eight)
+        self.lap = self._course.eight.lap
+        """Duration of a lap [s]."""
+        self.rng = np.random.default_rng([config.seed, PATH])
+        self._elapsed = float(self.rng.uniform(0, self.lap))
+        self._start = self._course.pose(self.rng, self._elapsed)
+
+    def pose_after(self, seconds: float) -> Pose2:
+        """Draw a pose at which the robot may be some time [s] after the start."""
+        return self._course.pose(self.rng, self._elapsed + seconds)
+
+    def drive(self, seconds: float, kidnap: Kidnap | None = None) -> TrialDrive:
+        """Drive for some time [s]."""
+        begin, elapsed = self._start, self._elapsed
+        drive = record(self._config, seconds, start=begin, elapsed=elapsed, kidnap=kidnap)
+        return TrialDrive(drive, None if kidnap is None else kidnap.stamp)
+
+
 def lap_drive(config: Config, laps: float = 1.0) -> TrialDrive:
     """Drive the figure-eight that fits the field, from a random pose on it.
 
@@ -147,30 +170,15 @@ def lap_drive(config: Config, laps: float = 1.0) -> TrialDrive:
         config: robot, map, seed and condition; the radius of its figure-eight is not used.
         laps: how many laps to drive.
     """
-    course = course_on(load_field(config.map, MAPS), config)
-    config = replace(config, figure_eight=course.eight)
-    rng = np.random.default_rng([config.seed, PATH])
-    elapsed = float(rng.uniform(0, course.eight.lap))
-    start = course.pose(rng, elapsed)
-    drive = record(config, laps * course.eight.lap, start=start, elapsed=elapsed)
-    return TrialDrive(drive)
+    path = _Path(config)
+    return path.drive(laps * path.lap)
 
 
 def carried_drive(config: Config) -> TrialDrive:
     """Drive for 17 s; at 11 s the robot is carried off, unseen, to another path of the field."""
-    course = course_on(load_field(config.map, MAPS), config)
-    config = replace(config, figure_eight=course.eight)
-    rng = np.random.default_rng([config.seed, PATH])
-    elapsed = float(rng.uniform(0, course.eight.lap))
-    start, elsewhere = course.pose(rng, elapsed), course.pose(rng, elapsed + CARRY_STAMP)
-    drive = record(
-        config,
-        CARRY_SECONDS,
-        start=start,
-        elapsed=elapsed,
-        kidnap=Kidnap(CARRY_STAMP, lambda _: elsewhere),
-    )
-    return TrialDrive(drive, CARRY_STAMP)
+    path = _Path(config)
+    elsewhere = path.pose_after(CARRY_STAMP)
+    return path.drive(CARRY_SECONDS, Kidnap(CARRY_STAMP, lambda _: elsewhere))
 
 
 MOVED_SECONDS = 21.0
@@ -183,14 +191,10 @@ TURN_SD = 0.5
 
 def moved_drive(config: Config) -> TrialDrive:
     """Drive for 21 s; it stands from 9.5 to 13 s, and at 11 s it is moved a little, unseen."""
-    course = course_on(load_field(config.map, MAPS), config)
-    config = replace(config, figure_eight=course.eight)
-    rng = np.random.default_rng([config.seed, PATH])
-    elapsed = float(rng.uniform(0, course.eight.lap))
-    start = course.pose(rng, elapsed)
+    path = _Path(config)
+    rng = path.rng
     way, bearing = rng.uniform(*MOVE), rng.uniform(-math.pi, math.pi)
     turn = rng.uniform(-math.pi, math.pi) if rng.random() < 0.5 else rng.normal(0, TURN_SD)
     moved = Pose2(way * math.cos(bearing), way * math.sin(bearing), float(turn))
     kidnap = Kidnap(CARRY_STAMP, lambda pose: pose @ moved, before=1.5, after=2.0)
-    drive = record(config, MOVED_SECONDS, start=start, elapsed=elapsed, kidnap=kidnap)
-    return TrialDrive(drive, CARRY_STAMP)
+    return path.drive(MOVED_SECONDS, kidnap)

@@ -1,0 +1,64 @@
+"""Checks how well scans fit at the estimate, and whether they moved it to a worse fit."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from robot.geometry import Array, Pose2
+from robot.localization.ray_evidence import RayEvidence
+
+NEWEST_SHARE = 0.5
+"""Share of a new scan in the running mean of how well scans fit."""
+FORGETTING = 0.01
+"""Share of the sum of changes that is forgotten with each scan."""
+MOST_CHANGE = 1.5
+"""Most that one scan counts in that sum: another place may have taken the lead."""
+
+
+class FitCheck:
+    """How well scans fit at the estimate, compared with a place that fits badly."""
+
+    def __init__(self, evidence: RayEvidence) -> None:
+        """Begin with a good fit; ``evidence`` judges rays."""
+        self.evidence = evidence
+        self.restart()
+
+    def restart(self) -> None:
+        """Begin again with a good fit."""
+        self._mean = 1.0
+        self.change = 0.0
+        """Change of a ray's log-likelihood by scans that moved the pose to a worse fit (<= 0)."""
+
+    @property
+    def fits(self) -> bool:
+        """Whether the last scans fit better at the estimate than at a bad place."""
+        return self._mean > 0
+
+    def observe(self, rays: Array, pose: Pose2, expected: Pose2 | None = None) -> None:
+        """Take in a scan's rays (k, 9), and the pose after it.
+
+        Args:
+            rays: the scan as ``rays_of`` returns it.
+            pose: the robot in the map.
+            expected: the last pose, moved on by odometry; None without a last pose.
+        """
+        fits = self._gains([pose] if expected is None else [pose, expected], rays)
+        if not fits:
+            return
+        now, *before = fits
+        self._mean += NEWEST_SHARE * (min(now, 1.0) - self._mean)
+        for fit in before:
+            # A scan may move the pose anywhere from a place that did not fit anyway.
+            worse = min(now - fit, 0.0) if fit > 0 else 0.0
+            self.change = (1 - FORGETTING) * self.change + max(worse, -MOST_CHANGE)
+
+    def _gains(self, poses: list[Pose2], rays: Array) -> list[float]:
+        """Return how much better rays fit at poses than at a bad one; [] if they say nothing."""
+        seeing = rays[~np.isnan(rays[:, 4])]
+        if not len(seeing):
+            return []
+        badly = self.evidence.background_log_likelihood(seeing)
+        places = np.array([pose.to_array() for pose in poses])
+        fits: list[float] = (self.evidence.log_likelihoods(places, seeing) - badly).tolist()
+        nothing = fits[0] == 0 and not np.isfinite(seeing[:, 3]).any()
+        return [] if nothing else fits
