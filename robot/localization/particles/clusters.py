@@ -1,9 +1,9 @@
 """Clusters: particles in neighbouring cells of the state space belong together.
 
-As in nav2_amcl the cells are boxes in x, y and theta; cells that touch, also by a corner and round
-the full turn, are one cluster. Only occupied cells are kept, in a hash table, so that particles
-which are far apart take no more memory. All that goes over particles is compiled: 15 ns for each,
-where sorting and sparse graphs of SciPy took 230.
+As in nav2_amcl, cells are boxes in x, y and theta. Cells that touch belong to one cluster; they may
+touch by a corner, and across the end of a full turn. Only occupied cells are kept, in a hash table,
+so particles that are far apart take no more memory. The loop over particles is compiled and takes
+15 ns for each; sorting and sparse graphs of SciPy took 230.
 """
 
 from __future__ import annotations
@@ -35,17 +35,17 @@ class Clusters:
     """Which particles belong together."""
 
     labels: Index = field(repr=False)
-    """(n,) the particle's place in ``hypotheses``; those of the lightest clusters are past it."""
+    """(n,) index of the particle's cluster in ``hypotheses``; larger for the lightest clusters."""
     cells: Index = field(repr=False)
     """(n,) the particle's cell, counted from 0."""
     weights: Array
-    """(k,) share of the weight by described cluster, heaviest first."""
+    """(k,) share of the weight in each described cluster, heaviest first."""
     means: Array
     """(k, 3) [m, m, rad] in the map."""
     covariances: Array = field(repr=False)
     """(k, 3, 3)"""
     hypotheses: tuple[Hypothesis, ...]
-    """The same, one by one."""
+    """The described clusters as hypotheses."""
 
 
 def find_clusters(poses: Array, weights: Array, cells: Cells, most: int = 8) -> Clusters:

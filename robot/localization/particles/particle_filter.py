@@ -28,7 +28,7 @@ from robot.localization.particles.resampling import (
 from robot.scan import Scan
 
 FEWEST = 10
-"""Particles that are always kept."""
+"""The filter never has fewer particles."""
 
 
 class ParticleFilter:
@@ -53,16 +53,16 @@ class ParticleFilter:
         self.parameters = parameters
         self.likelihood_weight = likelihood_weight
         self.share = share
-        """Part of the particles that it may keep, when it is one of many; more than one while the
+        """Factor on the number of particles: below 1 for one of several tracks, above 1 while the
         robot may be anywhere on a large map."""
         self.extra_sd = 0.0
-        """How much less ranges were believed in the last scan, as the particles lie apart [m]."""
+        """Standard deviation that was added to the last ranges, as particles lie apart [m]."""
         self._rng = rng
         self.set_pose(field.start, parameters.initial_covariance)
 
     @classmethod
     def of(cls, setup: Setup, rng: np.random.Generator, share: float = 1.0) -> ParticleFilter:
-        """With the models and parameters of a setup, and a share of the particles."""
+        """Return a filter with the models and parameters of a setup, and a share of particles."""
         return cls(
             setup.motion,
             setup.sensor,
@@ -75,14 +75,14 @@ class ParticleFilter:
 
     @property
     def standing(self) -> Standing:
-        """It does not look for other places."""
+        """Always confirmed: this filter does not search for other places."""
         return Standing.CONFIRMED
 
     def search_anew(self) -> None:
         """Change nothing, because this filter does not search for other places."""
 
     def use(self, setup: Setup) -> None:
-        """Go on with other models and parameters; the particles stay."""
+        """Switch to other models and parameters, and keep the particles."""
         self.motion, self.sensor = setup.motion, setup.sensor
         self.parameters, self.likelihood_weight = setup.filter, setup.likelihood_weight
 
@@ -92,12 +92,12 @@ class ParticleFilter:
 
     @property
     def cloud(self) -> Cloud:
-        """The cloud as the last scan weighed it, before resampling."""
+        """The cloud after the last scan's weights, before resampling."""
         return self._weighed
 
     @property
     def particles(self) -> Cloud:
-        """The particles that go on: after a resampling, the copies."""
+        """The cloud that the next step moves: after resampling, the copies."""
         return self._particles
 
     @property
@@ -120,7 +120,7 @@ class ParticleFilter:
         self.set_cloud(Cloud.even(poses))
 
     def set_hypotheses(self, hypotheses: tuple[Hypothesis, ...]) -> None:
-        """Restart at places whose weights are relative to each other."""
+        """Restart at hypotheses; only the ratios of their weights count."""
         self.set_cloud(Cloud.drawn(hypotheses, self._limits()[1], self._rng))
 
     def set_cloud(self, cloud: Cloud) -> None:
@@ -135,7 +135,7 @@ class ParticleFilter:
         self.set_cloud(Cloud.even(self.field.free_poses(self._rng, self._limits()[1])))
 
     def predict(self, moved: Pose2) -> None:
-        """Move each particle by odometry, and by chance."""
+        """Move each particle by odometry, with noise of the motion model."""
         poses = loosened(self.motion, self.looseness).sample(
             self._particles.poses, moved, self._rng
         )
@@ -143,7 +143,7 @@ class ParticleFilter:
         self._moved = True
 
     def correct(self, scan: Scan) -> None:
-        """Weigh the particles by a scan, and draw those that go on."""
+        """Weigh the particles by a scan, and resample them if that is due."""
         self.weigh(scan)
         if self._should_resample():
             self.resample()
@@ -156,14 +156,14 @@ class ParticleFilter:
         self._scans += 1
 
     def _multiply(self, scan: Scan) -> None:
-        """Multiply each weight by the likelihood of a scan, and let them sum to one."""
+        """Multiply each weight by the likelihood of a scan, and normalize them."""
         poses, weights = self._particles.poses, self._particles.weights
         # The clusters are those of the last scan: they move and widen little in between.
         known, settings = self._clusters, self.parameters
         apart, returned = coarseness(known.weights, known.covariances, len(poses), scan.ranges)
         self.extra_sd = apart
         believed = _believed(scan, apart)
-        # To some models it says much that nothing returned; others have nothing to be asked then.
+        # Some models weigh rays that did not return; to the others, this scan says nothing.
         if not (returned or count_rays(self.sensor, poses, believed)):
             return
         log_likelihood = self.sensor.log_likelihood(poses, believed)
@@ -175,15 +175,16 @@ class ParticleFilter:
         self._particles = Cloud(poses, weights)
 
     def _least(self, weights: Array) -> float:
-        """How many particles stay effective after this scan.
+        """Return the least effective sample size after this scan.
 
-        The scans from one resampling to the next share what may be lost: had each the whole of it,
-        a few would leave one particle, and if one took it all, the others would change nothing.
+        All scans until the next resampling share the allowed loss. If each were allowed all of it,
+        a few scans would leave one particle; if the first took all of it, the others would change
+        nothing.
         """
         share, scans = self.parameters.min_effective, self.parameters.resample_interval
         least = len(weights) * math.pow(share, (self._scans % scans + 1) / scans)
         current = effective_sample_size(weights)
-        # There are fewer already if they were given so: also then a scan counts.
+        # A given cloud may already have fewer effective particles; a scan must still count.
         return least if least < current else current * math.pow(share, 1 / scans)
 
     def _should_resample(self) -> bool:
@@ -194,7 +195,7 @@ class ParticleFilter:
         return self.effective < 0.5 * len(self._particles.weights)
 
     def resample(self) -> Resampled:
-        """Draw the particles that go on, by weight; their copies spread a little."""
+        """Draw particles by weight, and spread their copies a little."""
         poses, weights = self._particles.poses, self._particles.weights
         scale = self.parameters.regularization
         kept = low_variance(weights, self._wanted(weights), self._rng)
@@ -208,11 +209,11 @@ class ParticleFilter:
         return Resampled(self._clusters, kept, renewed, in_order=scale == 0)
 
     def _wanted(self, weights: Array) -> int:
-        """How many particles go on (KLD sampling).
+        """Return the number of particles to draw (KLD sampling).
 
-        Table 8.4 draws one particle after the other until there are enough for the cells that they
-        fill. Here those are counted which a full draw of ``max_particles`` fills: in one go, and
-        rather more of them, as a smaller draw would have missed some.
+        Table 8.4 draws particles one by one until there are enough for the cells that they fill.
+        Here, ``max_particles`` are drawn at once, and the cells that they fill are counted. The
+        result is a little larger, because a smaller draw would have missed some cells.
         """
         least, most = self._limits()
         if least == most:
@@ -223,7 +224,7 @@ class ParticleFilter:
         return min(max(wanted, least), most)
 
     def _limits(self) -> tuple[int, int]:
-        """Fewest and most particles."""
+        """Return the fewest and the most particles."""
         fewest = round(self.share * self.parameters.min_particles)
         return max(fewest, FEWEST), max(round(self.share * self.parameters.most_particles), FEWEST)
 
@@ -238,7 +239,7 @@ class ParticleFilter:
 
 
 def _believed(scan: Scan, extra_sd: float) -> Scan:
-    """The scan with its weight scaled; ``dataclasses.replace`` takes three times as long."""
+    """Return the scan with a larger spread; ``dataclasses.replace`` takes three times as long."""
     return Scan(
         scan.stamp,
         scan.bearings,

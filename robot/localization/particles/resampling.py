@@ -1,6 +1,6 @@
-"""Resampling: how scans weigh particles, which go on, how many are needed, how copies spread.
+"""Resampling: temper the weights, choose the sample size, draw particles and spread their copies.
 
-And recovery: when to draw some from anywhere, the more the worse scans fit lately.
+Also recovery: random particles are added when the latest scans fit worse than earlier ones.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ from robot.localization.particles.clusters import Clusters
 class Recovery:
     """Augmented MCL (Probabilistic Robotics, Table 8.3; nav2_amcl's recovery_alpha).
 
-    Two running averages of how likely the scans are; where the fast one falls below the slow one,
-    1 - fast / slow of the particles are replaced by random ones from anywhere.
+    It keeps two running averages of the likelihood of scans. If the fast one falls below the slow
+    one, random poses replace 1 - fast / slow of the particles.
     """
 
     slow: float = 0.0
@@ -33,17 +33,17 @@ class Recovery:
     def observe(
         self, log_likelihood: Array, weights: Array, rays: int, alpha_slow: float, alpha_fast: float
     ) -> None:
-        """Take the average likelihood of a scan over particles with weights (n,) into account.
+        """Add a scan to both averages.
 
-        It is that of one ray, the geometric mean over them: so scans with few rays and with many
-        compare, and no single one outweighs all the others.
+        The value is the geometric mean of the likelihoods of its rays. So scans with few rays and
+        with many can be compared, and no ray outweighs all the others.
 
         Args:
-            log_likelihood: (n,) of the whole scan.
-            weights: (n,) from before it, summing to one.
-            rays: how many the log-likelihood is the sum of.
-            alpha_slow: share of the new value in the slow average; 0 is never to try elsewhere.
-            alpha_fast: the same of the fast one.
+            log_likelihood: (n,) of the whole scan, for each particle.
+            weights: (n,) of the particles before the scan; they sum to one.
+            rays: number of rays in that sum.
+            alpha_slow: share of the new value in the slow average; 0 turns recovery off.
+            alpha_fast: share of the new value in the fast average; 0 turns recovery off.
         """
         if alpha_slow == 0 or alpha_fast == 0:
             return
@@ -60,16 +60,16 @@ class Recovery:
 def coarseness(
     weights: Array, covariances: Array, particles: int, ranges: Array
 ) -> tuple[float, int]:
-    """How far the particles of a cluster lie apart, as a spread of ranges [m].
+    """Return the distance between neighbouring particles [m], and how many rays returned.
 
-    A likelihood narrower than that falls between them and none is right; so while the cloud is
-    wide, ranges are believed that much less. Angles count as what they move the end of a typical
-    ray by. Also how many rays returned; with none nothing can be said, and it is 0.
+    A likelihood that is narrower than this distance falls between the particles. So while the cloud
+    is wide, this distance is added to the spread of the ranges. Angles count by how far they move
+    the end of a typical ray. If no ray returned, both values are 0.
 
     Args:
         weights: (k,) share of the weight in each cluster.
         covariances: (k, 3, 3) of the clusters [m, m, rad].
-        particles: how many there are in all.
+        particles: number of particles in all clusters.
         ranges: (r,) lengths of the rays [m], +inf where nothing returned.
     """
     returned = ranges[np.isfinite(ranges)]
@@ -87,20 +87,20 @@ def coarseness(
 
 @dataclass(frozen=True, slots=True)
 class Resampled:
-    """Which particles were drawn, as copies are in another order."""
+    """Which particles were drawn; their copies may be in another order."""
 
     clusters: Clusters
-    """Of the particles that were drawn from."""
+    """Clusters of the particles before resampling."""
     drawn: NDArray[np.int64]
     """(m,) as ``low_variance`` drew them."""
     renewed: NDArray[np.bool_]
-    """(m,) which of the particles that go on come from anywhere instead."""
+    """(m,) which of the new particles were replaced by random poses."""
     in_order: bool
-    """Whether the copies are in the order in which they were drawn: they are not, if spread."""
+    """Whether the copies are in the order in which they were drawn; spread copies are not."""
 
     @property
     def parents(self) -> NDArray[np.int64]:
-        """Of which particle each that goes on is a copy (m,); -1 is of none."""
+        """The particle that each new one is a copy of (m,); -1 for a random pose."""
         parents = self.drawn
         if not self.in_order:
             # Copies of a cluster stand side by side; see ``spread_copies``.
@@ -110,33 +110,33 @@ class Resampled:
 
 
 def low_variance(weights: Array, count: int, rng: np.random.Generator) -> NDArray[np.int64]:
-    """Indices (count,) of particles drawn by weight (Probabilistic Robotics, Table 4.4).
+    """Draw particles by weight and return their indices (count,) (Table 4.4).
 
-    One random number places an even comb over the weights (n,), which must sum to one; a particle
+    One random number shifts an even comb over the weights (n,), which must sum to one. A particle
     of weight w is drawn floor(count w) or ceil(count w) times.
     """
     return comb(weights, count, rng.random())
 
 
 def effective_sample_size(weights: Array) -> float:
-    """1 / sum w^2 of weights (n,) that sum to one: 1 (one particle counts) to n (all do)."""
+    """Return 1 / sum w^2 of weights (n,) that sum to one: 1 if one particle counts, n if all do."""
     return 1.0 / float(weights @ weights)
 
 
 def joined_sample_size(effective: Sequence[float], weights: Array) -> float:
-    """Of clouds joined into one, weighed by weights (n,), from those of each."""
+    """Return the effective sample size of joined clouds, from those of each and their weights."""
     return float(weights.sum() ** 2 / (weights**2 / np.array(effective)).sum())
 
 
 def kld_sample_size(bins: int, pf_err: float, pf_z: float) -> int:
-    """Particles needed so that the sampled distribution is close to the true one.
+    """Return how many particles keep the sampled distribution close to the true one.
 
-    Probabilistic Robotics, Table 8.4 (Fox 2003): with them the Kullback-Leibler distance stays
-    below ``pf_err`` with the probability of which ``pf_z`` is the upper normal quantile.
+    With so many particles, the Kullback-Leibler distance stays below ``pf_err`` with the
+    probability that belongs to the quantile ``pf_z`` (Table 8.4; Fox 2003).
 
     Args:
-        bins: cells of the state space with a particle in them.
-        pf_err: greatest distance.
+        bins: number of cells of the state space that hold a particle.
+        pf_err: largest distance.
         pf_z: standard normal quantile.
     """
     if bins <= 1:
@@ -146,11 +146,11 @@ def kld_sample_size(bins: int, pf_err: float, pf_z: float) -> int:
 
 
 def temper(log_likelihood: Array, weights: Array, exponent: float, effective: float) -> Array:
-    """New weights (n,), proportional to weight times likelihood to a power.
+    """Return new weights (n,): each weight times its likelihood to a power, normalized.
 
-    The power is ``exponent``, or as much less as keeps the effective sample size above
-    ``effective`` particles: a likelihood that is sharper than the cloud is dense would leave one
-    particle, and that a random one. (Annealing the likelihood; Deutscher, Blake and Reid 2000.)
+    The power is ``exponent``, or less if the effective sample size would fall below ``effective``.
+    Otherwise a likelihood that is narrower than the distance between particles would leave a single
+    particle, chosen by chance (annealed likelihood; Deutscher, Blake and Reid 2000).
     """
     return tempered(log_likelihood, weights, exponent, effective)
 
@@ -162,22 +162,22 @@ def regularize(
     scale: float,
     rng: np.random.Generator,
 ) -> Array:
-    """Copies (m, 3) of particles, spread as wide as their cluster's particles are apart.
+    """Return copies (m, 3) of particles, with noise that fills the gaps between particles.
 
-    Copies of few particles die out at random along a direction that the scans say nothing of, as
-    along a single wall, and the filter would be sure of what it never measured. The noise has the
-    cluster's covariance times the squared bandwidth h = scale (4 / (n (d + 2)))^(1 / (d + 4)) with
-    d = 3 (regularized particle filter; Musso, Oudjane and Le Gland 2001). With it the copies are
-    drawn together by sqrt(1 - h^2) (shrinkage; West 1993), and what chance still left of a
-    difference is taken away: copies of a cluster have its mean and its covariance, neither more
-    nor less. So the width is right on average wherever no scan holds it. It still wanders, as the
-    weights are chance there, too: told to 20 mm along a wall, 3 to 30 mm were left after 8 s.
+    Without noise, resampling removes particles by chance. Along a direction that no scan measures,
+    such as along a single wall, the cloud would shrink, and the filter would be sure of what it
+    never measured. The noise has the cluster's covariance times h^2, with the bandwidth
+    h = scale (4 / (n (d + 2)))^(1 / (d + 4)) and d = 3 (regularized particle filter; Musso, Oudjane
+    and Le Gland 2001). The copies are first drawn toward the mean by sqrt(1 - h^2) (shrinkage;
+    West 1993), and then corrected, so that the copies of a cluster keep its mean and covariance
+    exactly. So the width stays right on average where no scan measures it. It still varies by
+    chance: a start known to 20 mm along a wall was known to 3 to 30 mm after 8 s.
 
     Args:
         poses: (n, 3) weighed particles.
-        clusters: those that they are in.
-        drawn: (m,) which particle each is a copy of.
-        scale: 1 is best for a normal distribution, 0 is none.
+        clusters: their clusters.
+        drawn: (m,) the particle that each is a copy of.
+        scale: 1 is best for a normal distribution, 0 turns the noise off.
         rng: the only source of chance.
     """
     if scale == 0:
