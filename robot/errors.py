@@ -1,14 +1,14 @@
-"""The errors that the program tells its users; any other exception is a defect of the program."""
+"""Errors that the program reports to its users; any other exception is a defect of the program."""
 
 LONGEST = 1500
-"""Longest message [characters]; a list of all settings' names is shorter."""
+"""Longest message [characters]; a list of the names of all settings fits in."""
 
 
 class BrickPoseError(Exception):
     """Something that a user can put right; the message says what is wrong and what is valid.
 
-    Each subclass derives from a standard exception too. The message is one line, also if it quotes
-    a file or a request: what is not printable is escaped, and what is too long is cut.
+    Each subclass derives from a standard exception too. The message is one line, even if it
+    quotes a file or a request: unprintable characters are escaped, and a long text is cut.
     """
 
     def __str__(self) -> str:
@@ -19,7 +19,7 @@ def one_line(text: str) -> str:
     """Return a text in one line of printable characters, at most ``LONGEST`` of them.
 
     Line ends and the space around them become one space. Messages quote what users and other
-    programs wrote; a terminal, a log and a JSON answer have to take them.
+    programs wrote, and must be safe in a terminal, a log and a JSON answer.
     """
     lines = (line.strip() for line in text[: 10 * LONGEST].splitlines())
     joined = " ".join(line for line in lines if line)

@@ -1,4 +1,4 @@
-"""The ticks of a calibration's drive, collected for its adjustment."""
+"""Collects the ticks of a calibration's drive, for its adjustment."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ STANDING_SD = np.array([0.002, 0.002, math.radians(0.5)])
 
 @dataclass(frozen=True)
 class _Job:
-    """What a process needs for an adjustment."""
+    """The input of the process that adjusts."""
 
     log: DriveLog
     spec: RobotSpec
@@ -34,15 +34,15 @@ class _Job:
 
 
 class CollectedDrive:
-    """One drive, from its first tick on; for one thread."""
+    """One drive from its first tick; used by one thread."""
 
     def __init__(self, program: Program, first: Snapshot, process: WorkerProcess) -> None:
-        """Begin with the first tick; a process will adjust the drive."""
+        """Begin with the first tick, and start the process that will adjust the drive."""
         self.spec = first.spec.uncalibrated
         """The robot as it would be without a calibration."""
         self._field = program.field
         self._process = process
-        # It loads what it needs while the robot drives.
+        # It loads its modules while the robot drives.
         give_way(process)
         self._recorder = DriveRecorder(self.spec, program.config.scanner, program.field.tape)
         self._start = start_of(first)
@@ -62,19 +62,19 @@ class CollectedDrive:
         self._last = snapshot
 
     def adjusted(self) -> Future[Calibration]:
-        """Let the process adjust what was collected so far.
+        """Let the process adjust the ticks collected so far.
 
-        The future raises a CalibrationError if the drive does not tell what the robot is like.
+        The future raises a CalibrationError if the drive does not determine the unknowns.
         """
         job = _Job(self._recorder.log, self.spec, self._field, self._start)
         return self._process.submit(_calibrate, job)
 
     def pose_command(self, calibration: Calibration, newest: Snapshot) -> SetPoseCommand:
-        """Return the command that tells the filter where the robot is.
+        """Return the command that gives the filter the pose of the robot.
 
         Args:
-            calibration: what the whole drive told.
-            newest: a tick after the drive, at whose end the robot stood.
+            calibration: the result of the whole drive.
+            newest: a tick after the drive; the robot stands since the drive ended.
         """
         solution = calibration.solution
         moved = self._last.odom_from_robot.inverse() @ newest.odom_from_robot

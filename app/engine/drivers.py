@@ -1,4 +1,4 @@
-"""Who drives: one client at a time, until another takes the drive; and a stop holds for all."""
+"""Decides who drives: one client at a time, until another takes over. A stop holds for all."""
 
 from __future__ import annotations
 
@@ -17,33 +17,33 @@ from app.messages.driving_commands import StopCommand, TakeCommand
 from robot.errors import CommandError
 
 SILENCE = 1.0
-"""After this time without a drive command [s], a client has let go."""
+"""A client that sends no drive command for this time [s] no longer drives."""
 RETURN_S = 5.0
-"""Who drives within this time after a stop was handed over [s] may go on as before it."""
+"""A client heard within this time after a stop was taken over [s] may have begun before it."""
 
 OWN = ("127.0.0.1", "::1")
-"""Addresses that tell nobody anything."""
+"""Addresses of this machine, which say nothing about the client."""
 
 _numbers = itertools.count(1)
 
 
 @dataclass(eq=False)
 class Driver:
-    """A client that may drive; its identity tells it from others."""
+    """A client that may drive; two clients are equal only if they are the same object."""
 
     name: str
-    """What others see, as ``ROS 2``."""
+    """The name that others see, such as ``ROS 2``."""
 
     @classmethod
     def numbered(cls, kind: str, address: str | None = None) -> Driver:
-        """Return a new client of a kind of which there may be many, such as ``page {number}``."""
+        """Return a new client with a number in its name; ``kind`` is such as ``page {number}``."""
         name = kind.format(number=next(_numbers))
         return cls(f"{name} at {address}" if address and address not in OWN else name)
 
 
 @dataclass(slots=True)
 class _Gesture:
-    """Drive commands of a client, none of them a second after the last."""
+    """Drive commands of a client without a pause of a second between them."""
 
     begun: float
     last: float
@@ -60,12 +60,13 @@ class DriveState:
 
 
 class Drivers:
-    """Passes commands on to the engine, drive commands of one client alone; for any thread.
+    """Passes commands on to the engine, but drive commands of one client only; for any thread.
 
-    The first who drives while nobody does has the drive, until a second after the last drive
-    command. A stop of any client holds for all clients, until it is a second old and a gesture that
-    began after it goes on; who only goes on as before the stop is refused. ``TakeCommand`` ends it
-    at once, and gives its client the drive: a page sends it when somebody presses a key anew.
+    If nobody drives, the first client that sends a drive command gets the drive. It keeps it until
+    a second after its last drive command. A stop by any client holds for all clients. It ends when
+    it is a second old and a client drives that began after it; a client that only continues what it
+    did before the stop is refused. ``TakeCommand`` ends a stop at once, and gives its client the
+    drive: a page sends it when somebody presses a key again.
     """
 
     def __init__(
@@ -76,24 +77,24 @@ class Drivers:
         *,
         stopped: bool = False,
     ) -> None:
-        """Start with nobody driving.
+        """Begin while nobody drives.
 
         Args:
             commands: the engine's queue.
             timeout: how long a drive command holds [s].
             clock: the computer's time [s].
-            stopped: whether a stop holds that was given to the program before.
+            stopped: whether a stop already holds, from the program before this one.
         """
         self._commands = commands
         self._timeout = timeout
         self._clock = clock
         self._driver: Driver | None = None
         self._gestures: dict[Driver, _Gesture] = {}
-        """The last drive commands of each client, refused ones too."""
+        """The last drive commands of each client, also refused ones."""
         self._stopped = clock() if stopped else None
-        """When the stop was given that holds [s]."""
+        """When the current stop was given [s]."""
         self._returning_until = clock() + RETURN_S if stopped else -math.inf
-        """Clients that are heard for the first time until then may have driven before the stop."""
+        """A client whose first command comes until then may have begun to drive before the stop."""
         self._lock = threading.Lock()
 
     @classmethod
@@ -125,22 +126,22 @@ class Drivers:
             self._commands.put(command)
 
     def require_free(self, driver: Driver) -> None:
-        """Refuse what would stop another client who drives.
+        """Refuse a command that would interrupt another client that drives.
 
         Raises:
-            CommandError: another one drives; the message says what to do.
+            CommandError: another client drives; the message says what to do.
         """
         with self._lock:
             self._require_free(driver)
 
     def refuse(self, driver: Driver) -> None:
-        """Stop the robot, as a client's drive command cannot be read, unless another one drives."""
+        """Stop if a client's drive command cannot be read, unless another client drives."""
         with self._lock:
             if self._current() in (None, driver):
                 self._commands.put(StopCommand(type="stop"))
 
     def leave(self, driver: Driver) -> None:
-        """Forget a client who leaves; stop the robot if this client drove it."""
+        """Forget a client that leaves; stop the robot if that client drove it."""
         with self._lock:
             gesture = self._gestures.pop(driver, None)
             if gesture is not None and self._driver is driver:
@@ -151,7 +152,7 @@ class Drivers:
     def _take(self, driver: Driver) -> None:
         self._stopped = None
         if self._current() not in (None, driver):
-            # What the other one ordered must not go on in the hands of nobody.
+            # What the client ordered must not continue without it.
             self._commands.put(StopCommand(type="stop"))
         self._driver = driver
         self._gestures[driver] = _Gesture(self._clock(), self._clock())

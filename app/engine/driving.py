@@ -1,4 +1,4 @@
-"""Decides who drives (a person, a programme or nobody) and until when."""
+"""Decides what drives (a person, a programme or nothing), and until when."""
 
 from __future__ import annotations
 
@@ -13,27 +13,27 @@ from robot.driving.route import Route
 from robot.geometry import Array, Pose2, Twist2
 
 GAP_S = 3.0
-"""A programme that is renewed again within this time goes on where it was; it stands until then.
-A minute of driving shall not be lost by a moment without network, nor a figure-eight begin anew
-from wherever a busy computer left the robot."""
+"""A programme that is renewed within this time continues where it was; the robot stands until then.
+Otherwise a moment without network would lose a minute of driving, and a figure-eight would begin
+again wherever a busy computer left the robot."""
 
 Mode = Literal["idle", "drive", "figure_eight", "calibrate", "explore"]
 
 
 class Driving:
-    """Mode and twist of the drive; a command that is not renewed within the time-out ends."""
+    """Mode and twist of the drive; a command ends if it is not renewed within the time-out."""
 
     def __init__(
         self, controller: DriveController, timeout: float, eight: FigureEight | None = None
     ) -> None:
         self.mode: Mode = "idle"
         self.route: Route | None = None
-        """What is driven to explore; None stands. Another thread may give the next one."""
+        """The route that explores; None stands. Another thread may set the next one."""
         self._controller = controller
         self._timeout = timeout
         self._eight = eight or FigureEight()
         self._pace = 1.0
-        """Speed of the figure-eight, by the set one."""
+        """Factor on the speed of the figure-eight in the settings."""
         self._began = 0.0
         self._renewed = 0.0
         self._updated = 0.0
@@ -55,7 +55,7 @@ class Driving:
     def figure_eight(
         self, stamp: float, speed: float | None = None, *, start: bool = False
     ) -> None:
-        """Start the figure-eight, or renew it; another speed [m/s] goes on at the same place."""
+        """Start or renew the figure-eight; with another speed [m/s] it continues where it is."""
         pace = 1.0 if speed is None else speed / self._eight.speed
         if start or self.mode != "figure_eight":
             self.mode = "figure_eight"
@@ -66,18 +66,18 @@ class Driving:
         self._renewed = stamp
 
     def figure_eight_path(self, robot: Pose2) -> Array:
-        """Return the way (n, 2) of a figure-eight that begins at a pose [m]."""
+        """Return the path (n, 2) [m] of a figure-eight that begins at a pose."""
         return robot.apply(self._eight.path())
 
     def calibrate(self, stamp: float, *, start: bool) -> None:
-        """Start the drive of a calibration, or renew the one that has begun."""
+        """Start or renew the drive of a calibration."""
         if start and self.mode != "calibrate":
             self.mode = "calibrate"
             self._began = self._updated = stamp
         self._renewed = stamp
 
     def explore(self, stamp: float, *, start: bool) -> None:
-        """Start to follow the routes that are given, or renew that."""
+        """Start or renew the exploration."""
         if start and self.mode != "explore":
             self.mode = "explore"
             self.route = None
@@ -89,7 +89,7 @@ class Driving:
         self._controller.stop()
 
     def update(self, odometry: OdometryState) -> Twist2:
-        """Return the twist to apply where the robot is now by odometry."""
+        """Return the twist to apply at a pose in the odom frame."""
         stamp = odometry.stamp
         if self.mode in ("figure_eight", "calibrate"):
             self._follow_programme(stamp, self._lapsed(stamp))
@@ -105,7 +105,7 @@ class Driving:
         return stamp - self._renewed >= self._timeout - 5e-7
 
     def _follow_route(self, odometry: OdometryState) -> None:
-        """Drive on; stand at the end of a route, and stop if nobody renews it any more."""
+        """Follow the route; stand at its end, and stop if the command is not renewed."""
         if self._lapsed(odometry.stamp):
             self.stop()
             return
@@ -119,10 +119,10 @@ class Driving:
             self.route = None
 
     def _follow_programme(self, stamp: float, lapsed: bool) -> None:
-        """Drive on; stand if nobody renews it any more."""
+        """Continue the programme; stand if it is not renewed."""
         if lapsed and stamp - self._renewed < GAP_S:
             self._controller.stop()
-            # The programme goes on where it was.
+            # The programme continues where it was.
             self._began += stamp - self._updated
             return
         elapsed = stamp - self._began

@@ -21,15 +21,15 @@ def drive(command: DriveCommand, controls: Controls, _odometry: OdometryState) -
 
 
 def figure_eight(command: FigureEightCommand, controls: Controls, _odometry: OdometryState) -> None:
-    """Begin the figure-eight, or go on with it."""
+    """Begin or continue the figure-eight."""
     controls.driving.figure_eight(controls.stamp, command.speed, start=command.start)
 
 
 def check_figure_eight(command: FigureEightCommand, program: Program) -> None:
-    """Refuse one that would leave the field."""
+    """Refuse a figure-eight that would leave the field."""
     check_driving(command, program)
     latest = program.engine.latest.get()
-    # Where nobody knows the place, nobody knows whether it fits either.
+    # While the place is unknown, nobody can say whether the figure-eight fits.
     if not command.start or latest is None or latest.pose is None or not latest.knows_place:
         return
     way = program.engine.controls.driving.figure_eight_path(latest.pose)
@@ -42,12 +42,12 @@ def check_figure_eight(command: FigureEightCommand, program: Program) -> None:
 
 
 def calibrate(command: CalibrateCommand, controls: Controls, _odometry: OdometryState) -> None:
-    """Begin the drive that calibrates, or go on with it."""
+    """Begin or continue the drive that calibrates."""
     controls.driving.calibrate(controls.stamp, start=command.start)
 
 
 def explore(command: ExploreCommand, controls: Controls, _odometry: OdometryState) -> None:
-    """Begin to explore, or go on with it."""
+    """Begin or continue to explore."""
     controls.driving.explore(controls.stamp, start=command.start)
 
 
@@ -57,7 +57,7 @@ def stop(_command: Command, controls: Controls, _odometry: OdometryState) -> Non
 
 
 def check_driving(_command: Command, program: Program) -> None:
-    """Refuse in a replay, and while the robot is faulty."""
+    """Refuse the drive in a replay, and while the robot is faulty."""
     if program.loop is not None:
         raise CommandError("this is a replay; only a robot that is there can be driven")
     latest = program.engine.latest.get()
@@ -66,7 +66,7 @@ def check_driving(_command: Command, program: Program) -> None:
 
 
 def check_drawn(command: Command, program: Program) -> None:
-    """Refuse to draw a map of what is not tape."""
+    """Refuse to draw a map if the scans do not come from tape."""
     check_driving(command, program)
     if program.field.tape_width is None:
         raise CommandError(f"the field {program.field.name} is not of tape; maps are of tape")

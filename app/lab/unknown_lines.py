@@ -1,4 +1,4 @@
-"""Tells people what was measured of a robot."""
+"""Writes what a calibration has measured, as lines of text."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from robot.geometry import Array
 
 
 def unknown_lines(values: Array, sd: Array, not_learnt: Collection[str] = ()) -> list[str]:
-    """Return the robot's unknowns with their intervals, a line each, for people.
+    """Return a line for each unknown of the robot, with its interval.
 
     Args:
         values: (n,) differences from the description, in the order of ``UNKNOWNS``.
-        sd: (n,) of them.
-        not_learnt: names of those that the drive did not tell.
+        sd: (n,) standard deviations of the values.
+        not_learnt: names of the unknowns that the drive could not determine.
     """
     lines = [f"{'measured':<18}{'difference':>11}{'95 %':>10}"]
     for unknown, difference, each in zip(UNKNOWNS[: ROBOT + 1], values, sd, strict=False):

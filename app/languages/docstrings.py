@@ -1,4 +1,4 @@
-"""A student's code in a language: its docstrings are said in that, all else stays."""
+"""Translates the docstrings of a student's code; the code itself stays the same."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Described = ast.Module | ast.FunctionDef | ast.ClassDef
 
 
 def in_language(source: str, language: Catalogue) -> str:
-    """Return code with each docstring in a language, or as it is where there is none in that."""
+    """Return code with its docstrings in a language; one without a translation stays as it is."""
     lines = source.splitlines()
     for literal in reversed(_docstrings(source)):
         given = _paragraphs(literal)
@@ -28,7 +28,7 @@ def in_language(source: str, language: Catalogue) -> str:
 
 
 def texts_of_docstrings(path: Path) -> Iterator[str]:
-    """Yield the paragraphs of a module's docstrings, each a text."""
+    """Yield each paragraph of a module's docstrings."""
     for literal in _docstrings(path.read_text(encoding="utf-8")):
         yield from _paragraphs(literal)
 

@@ -1,4 +1,4 @@
-"""The field, the filter's parameters, and what the scanner saw."""
+"""Routes of the field, the filter's parameters, and what the scanner saw."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ NO_PICTURE = refusal(503, "before the camera's first picture")
 
 
 def field_router(program: Program) -> APIRouter:
-    """Serve the field, what can be set, and what the scanner saw along a ray."""
+    """Serve the field, the parameters, and what the scanner saw along a ray."""
     router = APIRouter()
     _, picture = cv2.imencode(".png", program.field.floor.image)
     png = picture.tobytes()
 
     @router.get("/api/field")
     def get_field() -> FieldMessage:
-        """The field and the robot on it, as it is known now."""
+        """The field, and what is known of the robot."""
         return field_message(program)
 
     @router.get("/api/field.png", response_class=Response, responses=content("image/png"))
@@ -40,7 +40,7 @@ def field_router(program: Program) -> APIRouter:
 
     @router.get("/api/fields")
     def fields() -> FieldsMessage:
-        """The fields that can be loaded: those at hand, and maps that were saved."""
+        """The fields that can be loaded, and the saved maps."""
         return FieldsMessage(names=list(loadable_fields(program.config.mapping.path())))
 
     @router.get("/api/parameters")

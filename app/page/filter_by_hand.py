@@ -1,4 +1,4 @@
-"""What the page asks of the last step of the filter by hand."""
+"""The last step of the filter by hand, for the page."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from robot.localization.filter_by_hand import HandStep
 from robot.localization.particles.resampling import effective_sample_size
 
 ALL = sys.maxsize
-"""Particles that are sent: who comes of whom can only be told of all."""
+"""Particles that are sent: only then can the page draw which comes from which."""
 
 
 def hand_router(program: Program) -> APIRouter:
@@ -39,7 +39,7 @@ def hand_router(program: Program) -> APIRouter:
 
 
 def hand_step_message(state: HandState, extent: Extent) -> HandStepMessage:
-    """Return the last step, and what it did to the particles."""
+    """Return the last step and its effect on the particles."""
     last = state.last
     noiseless = None if last is None else last.noiseless
     parents = None if last is None else last.parents
@@ -60,7 +60,7 @@ def hand_step_message(state: HandState, extent: Extent) -> HandStepMessage:
 
 
 def _noise(step: HandStep) -> PoseMessage | None:
-    """Return the standard deviations of the noise of a prediction, ahead, aside and turned."""
+    """Return the standard deviations of a prediction's noise: ahead, aside and in heading."""
     if step.noiseless is None:
         return None
     drawn = step.after.poses - step.noiseless

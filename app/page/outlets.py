@@ -50,15 +50,15 @@ class LiveRoute(Protocol):
 
     @property
     def failure(self) -> str | None:
-        """What is wrong with the output now; None if nothing is."""
+        """The current problem of the output; None without one."""
         ...
 
     def start(self) -> None:
-        """Start; an error says why this is not possible."""
+        """Start; an error says why it cannot."""
         ...
 
     def close(self) -> None:
-        """End; may be called twice."""
+        """End the output; may be called twice."""
         ...
 
 
@@ -72,8 +72,8 @@ class Outlets:
 
         Args:
             program: the program.
-            change_map: goes on in another one's map.
-            go_on: goes on with another program, whose robot is another one.
+            change_map: switches to the map of another program.
+            go_on: switches to another program, with another robot.
         """
         config = program.config
         self.drivers = Drivers.of(program)
@@ -115,10 +115,10 @@ class Outlets:
             raise
 
     def carry_out(self, driver: Driver, command: Command) -> None:
-        """Carry out a command that was checked, or pass it on to the engine.
+        """Carry out a checked command, or pass it on to the engine.
 
         Raises:
-            BrickPoseError: that is not possible; the message says why.
+            BrickPoseError: the command cannot be carried out; the message says why.
         """
         act = ACTS.get(type(command))
         if act is None:
@@ -130,7 +130,7 @@ class Outlets:
         """Start a recording, or end the running one.
 
         Raises:
-            RecordingError: a recording runs already, or none can be made.
+            RecordingError: a recording is running already, or cannot be written.
         """
         if enabled:
             self.recorder.start()
@@ -138,7 +138,7 @@ class Outlets:
             self.recorder.stop()
 
     def calibrate(self, driver: Driver, command: CalibrateCommand) -> None:
-        """Let the robot drive to be calibrated, and follow it.
+        """Start the drive that calibrates the robot.
 
         Raises:
             CommandError: somebody else drives, or the last drive is not adjusted yet.
@@ -150,7 +150,7 @@ class Outlets:
             self.calibrator.begin()
 
     def explore(self, driver: Driver, command: ExploreCommand) -> None:
-        """Let the robot drive to see what the map lacks; without a map, begin one.
+        """Let the robot explore what the map lacks; begin a map if there is none.
 
         Raises:
             CommandError: somebody else drives, or the map is finished.
@@ -162,7 +162,7 @@ class Outlets:
 
     @property
     def failures(self) -> list[str]:
-        """What is wrong now, in words."""
+        """The current problems, in words."""
         given = [route.failure for route in self._routes]
         return [words for words in (*given, self.publisher.failure) if words is not None]
 
@@ -209,4 +209,4 @@ ACTS: Mapping[type[Command], Callable[[Outlets, Driver, Any], None]] = MappingPr
         ),
     }
 )
-"""What carries out the commands that are not the engine's."""
+"""Return what carries out each command that is not for the engine."""

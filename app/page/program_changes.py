@@ -1,4 +1,4 @@
-"""Going on with another field, the map that was drawn, a recording, or the robot again."""
+"""Switches to another field, to the map that was drawn, to a recording, or back to the robot."""
 
 from __future__ import annotations
 
@@ -22,14 +22,13 @@ from robot.fields.field_loading import load_field
 from robot.localization.estimate import Hypothesis
 
 ChangeMap = Callable[[str, Hypothesis | None], None]
-"""Goes on in another map, by its name, and with where the robot is in it; None is on another field,
-at its start."""
+"""Switches to another map by its name, with the robot's place in it; None is the field's start."""
 GoOn = Callable[[Callable[[], Program]], None]
-"""Ends this program soon, and goes on with the one that is made then."""
+"""Ends this program soon, and continues with the program that the function then builds."""
 
 
 class ProgramChanges:
-    """Ends a program to go on with another one, where nobody drives and no map would be lost."""
+    """Ends a program for another one, if no other client drives and no map would be lost."""
 
     def __init__(
         self,
@@ -47,9 +46,8 @@ class ProgramChanges:
             drivers: who drives it.
             drawer: draws its map.
             recorder: records it.
-            change_map: goes on in another one's map; None if that is not possible.
-            go_on: goes on with another program, whose robot is another one; None if that is not
-                possible.
+            change_map: switches to another map; None if that is not possible.
+            go_on: switches to another program, with another robot; None if that is not possible.
         """
         self._program = program
         self._drivers = drivers
@@ -60,10 +58,10 @@ class ProgramChanges:
         self._maps = program.config.mapping.path()
 
     def save_map(self, driver: Driver, command: SaveMapCommand) -> None:
-        """Save the map that was drawn, and go on in it if that is wanted.
+        """Save the map that was drawn, and switch to it if that is requested.
 
         Raises:
-            CommandError: there is none, it cannot be saved, or another client drives.
+            CommandError: there is no map, it cannot be saved, or another client drives.
         """
         newest = self._program.engine.latest.get()
         if command.use and (newest is None or self._change_map is None):
@@ -83,7 +81,7 @@ class ProgramChanges:
             self._change_map(str(path), place)
 
     def use_field(self, driver: Driver, command: UseFieldCommand) -> None:
-        """Go on with another field.
+        """Switch to another field.
 
         Raises:
             CommandError: there is no such field, another client drives, or a map would be lost.
@@ -99,7 +97,7 @@ class ProgramChanges:
         self._change_map(name, None)
 
     def open_recording(self, driver: Driver, name: str) -> None:
-        """Go on with a recording in place of the robot.
+        """Replay a recording in place of the robot.
 
         Raises:
             BrickPoseError: it cannot be replayed, another client drives, or a map would be lost.
@@ -113,10 +111,10 @@ class ProgramChanges:
         self._go_on(lambda: following)
 
     def run_again(self, driver: Driver) -> None:
-        """Go on with the last recording and today's parameters; one that runs ends first.
+        """Replay the last recording with the current parameters; a running recording ends first.
 
         Raises:
-            BrickPoseError: nothing was recorded, or as ``open_recording``.
+            BrickPoseError: nothing was recorded; also the errors of ``open_recording``.
         """
         if self._go_on is None or self._recorder.folder is None:
             raise CommandError("nothing is recorded of this drive; record, drive, and run it again")

@@ -39,7 +39,7 @@ from sim.simulated import SimulatedRobot
 
 
 class TelemetryWriter:
-    """Writes telemetry; it knows field and robot, which do not change, and the outputs."""
+    """Writes telemetry about one field and one robot, which do not change, and their outputs."""
 
     def __init__(self, program: Program, outlets: Outlets) -> None:
         self._field = program.field
@@ -119,7 +119,7 @@ def tape_width(line_scan: LineScan) -> float | None:
 
 
 def driver_message(state: DriveState) -> DriverMessage:
-    """Return who drives, for all who do not."""
+    """Return who drives, for the clients that do not."""
     name = None if state.driver is None else state.driver.name
     return DriverMessage(name=name, mine=False, stopped=state.stopped)
 
@@ -145,7 +145,7 @@ def pose_message(pose: Pose2 | None) -> PoseMessage | None:
 
 
 def field_message(program: Program) -> FieldMessage:
-    """Return what a page needs once, and again after a calibration."""
+    """Return the message that a page gets first, and again after a calibration."""
     latest, controls = program.engine.latest.get(), program.engine.controls
     field, spec = program.field, latest.spec if latest else controls.spec
     scanner = (latest and latest.scanner) or controls.localization.scanner

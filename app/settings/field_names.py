@@ -11,16 +11,16 @@ from robot.fields.generator.generated import generated_seed
 
 
 def loadable_fields(saved: Path) -> dict[str, str]:
-    """Return the name for ``load_field`` of each field: of those at hand and the saved maps."""
+    """Return the names of all fields and saved maps, as ``load_field`` takes them."""
     own = {path.stem: str(path) for path in sorted(saved.glob("*.svg"))}
     return {name: name for name in field_names(MAPS)} | own
 
 
 def field_named(name: str, saved: Path) -> str:
-    """Return the name for ``load_field`` of a field that somebody asks for.
+    """Return the name of a requested field, as ``load_field`` takes it.
 
     Raises:
-        CommandError: there is none; a path of this computer is none either.
+        CommandError: there is no such field; a path of this computer is not a name.
     """
     known = loadable_fields(saved)
     if name in known:

@@ -1,4 +1,4 @@
-"""Whether tape tells where a robot is, in all directions."""
+"""How well tape determines the place of a robot, in all directions."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ from robot.mapping.strokes import Stroke
 
 
 def steadiness(strokes: Sequence[Stroke]) -> float:
-    """Return how well tape tells the motion that it tells least, 0 to 1.
+    """Return how well tape determines the motion that it determines worst, 0 to 1.
 
-    It is 0 if there is a motion that leaves all tape where it is, such as a turn of a circle: the
-    ratio of the eigenvalues of what the centre lines tell of a small motion, in which a turn counts
-    by how far it moves the tape.
+    It is the ratio of the smallest to the largest eigenvalue of the information that centre lines
+    give about a small motion; a turn counts by how far it moves the tape. It is 0 if some motion
+    leaves all tape in place, such as a turn of a circle about its centre.
     """
     lines = [stroke.points for stroke in strokes]
     along = np.vstack([np.diff(line, axis=0) for line in lines])
     middle = np.vstack([(line[1:] + line[:-1]) / 2 for line in lines])
     length = np.hypot(*along.T)
     left = np.column_stack([-along[:, 1], along[:, 0]]) / length[:, None]
-    # A long line tells a turn by its ends, too.
+    # The ends of a long line determine a turn, too.
     points = np.vstack([middle - along / 3, middle, middle + along / 3])
     normals, weights = np.tile(left, (3, 1)), np.tile(length, 3)
     away = points - np.average(points, axis=0, weights=weights)

@@ -1,4 +1,4 @@
-"""Carries out slow commands of a client beside the event loop, one after the other."""
+"""Carries out slow commands of a client one after the other, outside the event loop."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ T = TypeVar("T")
 
 
 class SlowLane:
-    """What takes long for one client; used by the event loop."""
+    """Slow commands of one client; used by the event loop."""
 
     def __init__(self) -> None:
         self._free = Semaphore(1)
@@ -22,8 +22,8 @@ class SlowLane:
     ) -> None:
         """Do work in a thread, and send what it returns.
 
-        While the last work goes on, this waits: so the client's further messages wait, too, and no
-        more of them than the socket holds.
+        This waits until the previous work is done. So further messages of the client wait in its
+        socket, and never pile up in memory.
         """
         await self._free.acquire()
         tasks.start_soon(self._run, work, send)

@@ -1,4 +1,4 @@
-"""``brickpose calibrate lens``: measures a lens by pictures of a board."""
+"""``brickpose calibrate lens``: measures a lens from pictures of a board."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def calibrate_lens_command(given: dict[str, Any]) -> int:
     """Run the command with its options by name; return 0.
 
     Raises:
-        LensError: the pictures tell no lens; nothing is written then.
+        LensError: the pictures do not determine a lens; nothing is written.
         SettingError, OSError: says what cannot be used.
     """
     out = given.pop("out", OUT)
@@ -61,7 +61,7 @@ def calibrate_lens_command(given: dict[str, Any]) -> int:
 
 
 def lines_of(result: LensCalibration, board: Board) -> Iterator[str]:
-    """Yield what was found, for people."""
+    """Yield the lines of the report."""
     for name, reason in sorted(result.refused.items()):
         yield f"refused {name}: {reason}"
     yield f"{len(result.seen)} pictures count, of a {board.words}"

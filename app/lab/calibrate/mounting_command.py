@@ -37,13 +37,13 @@ from robot.settings import SettingError
 
 OUT = Path("profile.toml")
 VAGUE = 0.01
-"""A focal length that is known no better is told of [standard deviation by itself]."""
+"""A report names the focal length if its relative standard deviation is above this."""
 BOARD_OPTIONS = ("squares", "size", "type", "marker", "dictionary")
 
 
 @dataclass(frozen=True)
 class Measured:
-    """A mounting, and what it was measured by."""
+    """A mounting, and the picture that it was measured from."""
 
     mounting: Mounting
     source: str
@@ -55,7 +55,7 @@ def calibrate_mounting(given: dict[str, Any]) -> int:
     """Run the command with its options by name; return 0.
 
     Raises:
-        MountingError, SightingError: the picture does not tell the mounting; nothing is written.
+        MountingError, SightingError: the picture does not show the mounting; nothing is written.
         SettingError, FieldError, SpecError, CameraError, OSError: says what cannot be used.
     """
     out = given.pop("out", OUT)
@@ -165,7 +165,7 @@ def _by_board(
 
 
 def lines_of(measured: Measured, spec: RobotSpec) -> Iterator[str]:
-    """Yield what was measured, for people."""
+    """Yield the lines of the report."""
     mounting = measured.mounting
     drawn = replace(mounting, robot_from_camera=spec.robot_from_camera).values
     yield f"{'measured':<9}{'value':>10}{'95 %':>8}{'drawn':>10}"

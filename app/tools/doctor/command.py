@@ -44,7 +44,7 @@ def _findings(config: Config, machine: Machine) -> Iterator[Finding]:
 
 
 def _tell(text: str) -> None:
-    """Print what a check waits for to standard error, apart from the report."""
+    """Print to standard error what a check waits for, so that the report stays clean."""
     if text:
         sys.stderr.write(f"         ... {text}\n")
         sys.stderr.flush()
