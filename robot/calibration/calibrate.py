@@ -25,14 +25,14 @@ from robot.fields.field import Field
 from robot.geometry import Array, Pose2
 
 START_COVARIANCE = np.diag(np.square([0.05, 0.05, math.radians(10)]))
-"""How well people can put a robot where they say [m, m, rad]."""
+"""How accurately people place a robot [m, m, rad]."""
 SHORTEST_S = 5.0
 """Shortest drive that is adjusted [s]."""
 
 LEARNT, UNTOLD = 0.5, 0.9
 """An unknown is learnt if its standard deviation is below the first share of the prior's. Above the
-second, the drive tells nothing of it, and it is left as it was; in between it is part of what the
-drive does tell."""
+second share, the drive says nothing about it, and it stays as described. In between, it is
+adjusted, but not reported as learnt."""
 
 MOTIONS = {
     "drive straight ahead, toward tape and away from it": frozenset(
@@ -46,9 +46,9 @@ MOTIONS = {
         ("camera_roll", "camera_pitch", "camera_z", "focal_length")
     ),
 }
-"""Motions, and the unknowns of which each tells most."""
+"""Motions, and the unknowns that each determines best."""
 FIXED = 1e-3
-"""Factor of a prior that leaves an unknown as it was."""
+"""Factor on the prior of an unknown that stays as described."""
 
 
 @dataclass(frozen=True)
@@ -61,28 +61,28 @@ class Calibration:
     """(15,) their standard deviations; that of the prior if not learnt."""
     solution: Solution = field(repr=False)
     residual: float
-    """Robust standard deviation of the edges' distances, in those that were expected."""
+    """Robust standard deviation of the edges' distances, as a multiple of the expected one."""
     remarks: tuple[str, ...] = ()
-    """What seems to be wrong with the field or the lens file, in words for people."""
+    """What seems to be wrong with the field or the lens file, as text."""
 
     @property
     def position_sd(self) -> float:
-        """Standard deviation of where pictures seem to be taken, by what is still unknown [m]."""
+        """Standard deviation of the camera's apparent place, from what is still unknown [m]."""
         covariance = self.solution.covariance.copy()
         spread = np.diag_indices(len(covariance))
-        # What was left as it was is as uncertain as before.
+        # An unknown that stayed as described is as uncertain as before.
         covariance[spread] = np.maximum(covariance[spread], np.square(self.sd))
         return position_sd(self.solution.misses, covariance)
 
     @property
     def advice(self) -> tuple[str, ...]:
-        """Which motions would tell what is not learnt."""
+        """The motions that would determine what is not learnt."""
         names = set(self.not_learnt)
         return tuple(motion for motion, unknowns in MOTIONS.items() if names & unknowns)
 
     @property
     def not_learnt(self) -> tuple[str, ...]:
-        """The robot's unknowns of which the drive told little."""
+        """The unknowns that the drive hardly determined."""
         unlearnt = self.sd[:ROBOT] > LEARNT * PRIORS[:ROBOT]
         return tuple(UNKNOWNS[place].name for place in np.flatnonzero(unlearnt))
 
@@ -101,8 +101,8 @@ def calibrate(
         log: the drive.
         spec: the robot as described.
         taped: the field as drawn.
-        start: where the robot was at the first picture, as told.
-        start_covariance: of that pose (3, 3) [m, m, rad].
+        start: pose of the robot at the first picture, as given.
+        start_covariance: (3, 3) covariance of that pose [m, m, rad].
         report: called after each window with its length [s] and its solution.
 
     Raises:
@@ -143,7 +143,7 @@ def _check_fit(path: DrivePath) -> None:
 
 
 def _with_unlearnt_left(path: DrivePath, others: Sequence[Pose2]) -> Calibration:
-    """Adjust once more, with all that was not learnt left as it was.
+    """Adjust once more; unknowns that the drive did not determine stay as described.
 
     Others are starts from which the drive fits as well.
     """

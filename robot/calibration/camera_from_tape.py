@@ -1,8 +1,8 @@
-"""Tells how the camera looks down from the tape alone, before anything else is known.
+"""Estimates how the camera is mounted from tape alone, before anything else is known.
 
-Tape has two straight edges that are parallel, and as far apart as it is wide. They appear so only
-if the camera's roll, pitch, height and focal length are right; where the robot stands does not
-matter, nor what is drawn on the field.
+The two edges of straight tape are parallel, and their distance is the tape's width. They appear so
+only if the camera's roll, pitch, height and focal length are right. The robot's pose and the shape
+of the field do not matter.
 """
 
 from __future__ import annotations
@@ -20,27 +20,27 @@ from robot.geometry import Array
 
 TOLD = index_of(["camera_roll", "camera_pitch", "camera_z", "focal_length"])
 EXACT = np.array([math.radians(0.1), math.radians(0.2), 0.0003, 0.005])
-"""How exact they are at best, as lenses, corners and curves are not known: standard deviations of
-``TOLD`` [rad, rad, m, relative]. Errors of simulated robots are half as large."""
+"""Smallest standard deviations of ``TOLD`` [rad, rad, m, relative], because lenses, corners and
+curves are not known exactly. The errors of simulated robots are half as large."""
 MOST_PICTURES = 60
-"""Pictures that are looked at, spread over the drive."""
+"""Number of pictures used, spread over the drive."""
 RAYS = 5
-"""Neighbouring rays that see one piece of tape."""
+"""Number of neighbouring rays that see one piece of tape."""
 BENT, PARALLEL = 0.1, 0.97
 """How bent the sides of a piece of tape may be, and the least cosine between them."""
 AGREEING = 1.0
-"""If most errors of the width are larger, nothing is told, in standard deviations."""
+"""If most errors of the width are larger than this, in standard deviations, there is no result."""
 ENOUGH = 1e-4
 """Share by which the last step may still change the errors, or the unknowns."""
 LEAST_PIECES = 100
-"""With fewer pieces of tape, nothing is told."""
+"""With fewer pieces of tape there is no result."""
 FAR_OFF, USUAL = 30.0, 3.0
-"""Distances from which on errors count less, in standard deviations: at first and at last."""
+"""Errors count less from this distance on, in standard deviations: at first and at last."""
 
 
 @dataclass(frozen=True)
 class Guess:
-    """What the unknowns seem to be, and how exactly."""
+    """The estimated unknowns, with their uncertainty."""
 
     values: Array = field(default_factory=lambda: np.zeros(COUNT))
     """(15,) differences from the description."""
@@ -49,12 +49,12 @@ class Guess:
 
 
 def camera_from_tape(seen: Sightings, twists: Array, width: float) -> Guess:
-    """Return what the tape tells of the camera; of the other unknowns it tells nothing.
+    """Estimate the camera from tape; the other unknowns keep their priors.
 
     Args:
         seen: the edges that were seen.
         twists: (k, 2) the robot's velocity at each picture [m/s, rad/s].
-        width: of the tape [m].
+        width: width of the tape [m].
     """
     every = max(1, len(twists) // MOST_PICTURES)
     seen, twists = seen.every(every), twists[::every]
@@ -92,7 +92,7 @@ class _Pieces:
         runs = np.lib.stride_tricks.sliding_window_view(whole, RAYS, axis=1).all(axis=2)
         picture, first = np.nonzero(runs)
         self.picture = picture[:, None]
-        """(n, 1) of which picture."""
+        """(n, 1) index of the picture."""
         self._near = first[:, None] + np.arange(RAYS)
         self._far = self._near + rays
         straight = self._straight()
@@ -102,7 +102,7 @@ class _Pieces:
     def _straight(self) -> NDArray[np.bool_]:
         """Return which pieces (n,) have straight sides that are about parallel.
 
-        Corners have not. However a camera looks, straight lines are straight.
+        Pieces at corners do not. Straight lines look straight from any direction.
         """
         floor = self._seen.floor_points(np.zeros(COUNT), self._twists)
         directions, good = [], np.ones(len(self.picture), bool)

@@ -1,7 +1,7 @@
-"""Measures a calibrated robot again from a few seconds of driving: drifts, and a mast that moved.
+"""Checks a calibrated robot by a few seconds of driving: has it drifted, or its camera moved?
 
-The camera's three angles are left free and all else is held as it was calibrated; then the shift of
-the angles by its covariance says whether the camera has moved (three degrees of freedom).
+Only the camera's three angles are free; all else is as calibrated. The square of their shift by its
+covariance says whether the camera has moved (chi-square, three degrees of freedom).
 """
 
 from __future__ import annotations
@@ -32,11 +32,11 @@ START_COVARIANCE = np.diag(np.square([0.02, 0.02, 0.05]))
 """How well the first pose of a window is known [m, m, rad]: it was estimated with the calibration
 that is checked."""
 LEAST_SHARE, MOST_OFF = 0.8, 1.5
-"""A path fits if at least this share of the edges that were seen lies on the field's, and they lie
-at most so many times as far off as expected."""
+"""A path fits if at least this share of the seen edges lies on the field's edges, and if their
+distances are at most this multiple of the expected ones."""
 MOVED = 25.0
-"""Square of a shift by its covariance from which on the camera has moved: one of 60,000 windows
-exceeds it by chance (chi-square, three degrees of freedom)."""
+"""If the square of a shift by its covariance is larger, the camera has moved: one of 60,000 windows
+exceeds it by chance."""
 SHIFTED, SHIFTED_MOST = 0.0002, 0.0015
 """Standard deviation of how far a camera is shifted that was turned [m]: while the question is
 whether it was turned, and when that is known. A camera that may be anywhere may look anywhere."""
@@ -46,15 +46,15 @@ STAGES = ((0.06, 4.0), (0.03, 1.0))
 
 @dataclass(frozen=True)
 class Known:
-    """What is known of a robot."""
+    """A robot's unknowns, as far as they are known."""
 
     values: Array
     """(15,) differences from the description, in the order of ``UNKNOWNS``."""
     covariance: Array = field(repr=False)
-    """(15, 15) of these."""
+    """(15, 15) their covariance."""
 
     def loosened(self, shifted: float) -> Known:
-        """Return the same, of a robot whose camera may be turned, and shifted so far [m]."""
+        """Return the same for a robot whose camera may be turned, and shifted by a distance [m]."""
         added = np.zeros(COUNT)
         added[ROTATION], added[SHIFT] = PRIORS[ROTATION], shifted
         return replace(self, covariance=self.covariance + np.diag(added**2))
@@ -62,26 +62,26 @@ class Known:
 
 @dataclass(frozen=True)
 class Finding:
-    """What a window says of the robot."""
+    """The result of a window."""
 
     poses: Array = field(repr=False)
-    """(k, 3) of the window's pictures."""
+    """(k, 3) poses at the window's pictures."""
     loose: Known = field(repr=False)
-    """The robot by this window, if its camera may have been bumped."""
+    """The robot's unknowns by this window, if its camera may have been bumped."""
     prior: Known = field(repr=False)
     """What was known before."""
     loosened: Known = field(repr=False)
-    """The same, if the camera may have been bumped."""
+    """What was known before, if the camera may have been bumped."""
     pose_covariance: Array = field(repr=False)
-    """(3, 3) of the last pose."""
+    """(3, 3) covariance of the last pose."""
     share: float
-    """Of the edges that were seen, those that lie near the field's."""
+    """Share of the seen edges that lie near the field's edges."""
     residual: float
-    """Robust standard deviation of the edges' distances, in those that were expected."""
+    """Robust standard deviation of the edges' distances, as a multiple of the expected one."""
 
     @property
     def fits(self) -> bool:
-        """Whether the edges that were seen lie on the field's."""
+        """Whether the seen edges lie on the field's edges."""
         return self.share >= LEAST_SHARE and self.residual <= MOST_OFF
 
     @property
@@ -97,7 +97,7 @@ class Finding:
 
     @property
     def tight(self) -> Known:
-        """The robot by this window, if its camera was not bumped."""
+        """The robot's unknowns by this window, if its camera was not bumped."""
         loosened = np.linalg.inv(self.loosened.covariance)
         seen = np.linalg.inv(self.loose.covariance) - loosened
         pull = seen @ self.loose.values + loosened @ (self.loose.values - self.prior.values)
@@ -115,14 +115,14 @@ class DriftCheck:
         Args:
             spec: the description from which the differences count.
             taped: the field.
-            entries: its table of ``entry_table``.
+            entries: the field's ``entry_table``.
         """
         self._spec, self._field, self._entries = spec, taped, entries
 
     def check(self, log: DriveLog, poses: Array, known: Known) -> Finding | None:
-        """Return what a window says, by one step from poses (k, 3) of its pictures; None if none.
+        """Return the result of a window, by one step from poses (k, 3) of pictures; None if none.
 
-        That is enough while the robot is as it was calibrated, and cheap.
+        This is cheap, and enough while the robot is as calibrated.
         """
         adjustment, _, _ = self._adjustment(log, poses[0])
         state = State(known.values, poses, np.zeros((len(poses), 2)))
@@ -136,7 +136,7 @@ class DriftCheck:
     def measure(
         self, log: DriveLog, start: Array, known: Known, shifted: float = SHIFTED
     ) -> Finding | None:
-        """Return what a window says, whose path is followed from its first pose; None if nothing.
+        """Return the result of a window, by following its path from the first pose; None if none.
 
         Args:
             log: the window.

@@ -1,4 +1,4 @@
-"""How single poses fit a scan, ray by ray: what a particle would say if it were asked."""
+"""How well single poses fit a scan, ray by ray, for the page's question to a particle."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from robot.scan import Scan
 
 @dataclass(frozen=True, slots=True)
 class Weighing:
-    """The scan by which particles are weighed now, and how."""
+    """The newest scan, with the model and the power that weigh particles."""
 
     scan: Scan = field(repr=False)
     """As the filter takes it."""
@@ -30,29 +30,29 @@ class Weighing:
     """The estimate at the scan's stamp."""
 
     def settled(self, poses: Array) -> Weighing:
-        """Return the same, but whatever poses are asked, each ray counts as for a cloud (n, 3)."""
+        """Return a copy in which the rays count as they did for a cloud (n, 3), at any poses."""
         if not isinstance(self.model, LikelihoodFieldProb):
             return self
         scan = self.model.without_skipped(poses, self.scan)
         return replace(self, scan=scan, model=self.model.plain)
 
     def asking(self, model: SensorModel) -> Weighing:
-        """Return the same by another model."""
+        """Return a copy with another model."""
         return replace(self, model=model)
 
     @property
     def counted(self) -> NDArray[np.intp]:
-        """Indices of the rays that count; of a user's own model nobody knows, so all."""
+        """Indices of the rays that count; all rays for a user's own model."""
         if isinstance(self.model, LikelihoodField | Beam):
             return self.model.counted(self.scan)
         return np.arange(len(self.scan.ranges))
 
     def log_likelihoods(self, poses: Array) -> Array:
-        """Log-likelihood (n,) of the scan at poses (n, 3), up to a constant."""
+        """Return the log-likelihood (n,) of the scan at poses (n, 3), up to a constant."""
         return self.model.log_likelihood(poses, self.scan.only(self.counted))
 
     def shares(self, poses: Array) -> Array:
-        """Log-likelihood (n, k) of each ray alone; nan of one that does not count.
+        """Return the log-likelihood (n, k) of each ray; nan for a ray that does not count.
 
         The sum is the log-likelihood of the scan, for a model whose rays err independently.
         """
@@ -63,7 +63,7 @@ class Weighing:
         return result
 
     def expected(self, pose: Pose2, index: EdgeIndex, range_max: float) -> Array:
-        """Ranges (k,) [m] that the rays should have at a pose; +inf where no edge is in sight."""
+        """Return the ranges (k,) [m] expected at a pose; +inf where no edge is in sight."""
         scan = self.scan
         start = pose @ scan.robot_from_scan
         toward = heading_vectors(start.theta + scan.bearings)

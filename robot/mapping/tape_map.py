@@ -22,35 +22,35 @@ from robot.mapping.uncertainty import node_sd
 LEAST_SHARE = 0.7
 """A map fits if this share of the edges that were seen lies on its strokes."""
 MOST_RESIDUAL = 2.5
-"""... and if they lie at most so many times as far off as expected."""
+"""... and if their distances from it are at most this multiple of the expected ones."""
 UNSURE = 0.01
-"""Tape that is less certain than this is told [m]."""
+"""Remarks name tape whose place is less certain than this [m]."""
 LEAST_STEADINESS = 0.01
-"""Tape tells where the robot is, in all directions, if its steadiness is at least so much."""
+"""Least steadiness with which tape determines the pose in all directions."""
 MOST_PLACES = 3
-"""Remarks name so many places at most."""
+"""Most places that a remark names."""
 
 
 class MappingError(BrickPoseError, ValueError):
-    """The drive does not tell what the floor is like; the message says why."""
+    """The drive does not show enough of the floor; the message says why."""
 
 
 @dataclass(frozen=True)
 class TapeMap:
-    """A map, and the drive that it was drawn by."""
+    """A map, and the drive that it was drawn from."""
 
     tidy: TidyStrokes
     """The tape."""
     others: Array
-    """(n, 2) about where something dark lies that is no such tape [m]."""
+    """(n, 2) rough places of dark things that are not tape [m]."""
     measured: Strokes
-    """What was measured of it, in the adjustment."""
+    """The measurements of the tape, as adjusted."""
     solution: Solution = field(repr=False)
     """The drive."""
     stamps: Array = field(repr=False)
-    """(k,) of the pictures that were used [s]."""
+    """(k,) stamps of the pictures that were used [s]."""
     step_errors: Array = field(repr=False)
-    """(k - 1, 3) how far steps are from what the wheels tell, in deviations."""
+    """(k - 1, 3) differences of the steps from odometry, in standard deviations."""
     bare: BareFloor
     """Where bare floor was seen instead of the map's tape."""
     seen: SeenFloor = field(repr=False)
@@ -58,30 +58,30 @@ class TapeMap:
 
     @property
     def length(self) -> float:
-        """Of all tape [m]."""
+        """Length of all tape [m]."""
         return sum(stroke.length for stroke in self.tidy.strokes)
 
     @property
     def node_sd(self) -> Array:
         """(n,) how uncertain each node of ``measured`` is across its stroke [m].
 
-        The map begins where the robot did, so what is far from there is less certain.
+        The map begins where the robot began, so its places are less certain the farther they are.
         """
         return node_sd(self.measured, self.solution)
 
     @property
     def first_pose(self) -> Pose2:
-        """Of the robot at the first picture, in the map."""
+        """Pose of the robot at the first picture, in the map."""
         return Pose2.from_array(self.solution.state.poses[0])
 
     @property
     def residual(self) -> float:
-        """How many times as far as expected edges lie off the strokes."""
+        """Distance of the edges from the strokes, as a multiple of the expected distance."""
         return residual_sd(self.solution.misses)
 
     @property
     def moved_at(self) -> float | None:
-        """When the robot first moved otherwise than its wheels tell [s]; None if it never did."""
+        """When the robot first moved otherwise than by its wheels [s]; None if it never did."""
         return moved_at(self.step_errors, self.solution.state.slip, self.stamps)
 
     @property
@@ -95,7 +95,7 @@ class TapeMap:
 
     @property
     def unseen_ends(self) -> Array:
-        """(n, 2) ends of strokes of which nobody saw where they are [m]."""
+        """(n, 2) ends of strokes that no picture showed [m]."""
         ends = [
             self.tidy.strokes[number].end(last)[0]
             for (number, last), end in self.tidy.ends.items()
@@ -105,7 +105,7 @@ class TapeMap:
 
     @property
     def facts(self) -> tuple[str, ...]:
-        """What was drawn and how well, for people."""
+        """The report: what was drawn, and how well."""
         count, corners = len(self.tidy.strokes), len(self.tidy.corners)
         share = 100 * self.solution.share
         median, largest = 1.96e3 * np.median(self.node_sd), 1.96e3 * self.node_sd.max()
@@ -119,7 +119,7 @@ class TapeMap:
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What is wrong with the map, or may be."""
+        """What is wrong with the map, or may be wrong."""
         remarks = []
         if not self._edges_lie_on_it:
             remarks.append(
@@ -163,7 +163,7 @@ class TapeMap:
         return tuple(remarks)
 
     def cells(self, side: float) -> OccupancyGrid:
-        """Return the map in cells of a side [m]; what nobody looked at is unknown."""
+        """Return the map in cells with a side [m]; floor that no picture showed is unknown."""
         lines = [stroke.points for stroke in self.tidy.strokes]
         return occupancy(lines, self.measured.width, self.seen, side)
 
@@ -173,6 +173,6 @@ class TapeMap:
 
 
 def _near(places: Array) -> str:
-    """Return the first places (n, 2) in words; nothing for none."""
+    """Return the first of some places (n, 2) as text; empty without places."""
     some = ", ".join(f"({x:.2f}, {y:.2f}) m" for x, y in places[:MOST_PLACES])
     return f" at {some}" if some else ""

@@ -1,4 +1,4 @@
-"""The ticks of a drive that a map is drawn from, and the process that draws it."""
+"""Collects the ticks of a drive, and lets a process draw a map from them."""
 
 from __future__ import annotations
 
@@ -24,16 +24,16 @@ from robot.mapping.tape_map import TapeMap
 from robot.scanning.tape import Tape
 
 FEWEST_EDGES = 4
-"""A picture shows tape if so many rays met it."""
+"""A picture shows tape if at least this many rays met it."""
 
 
 @dataclass(frozen=True)
 class Drawn:
-    """What one job has drawn."""
+    """The result of one job."""
 
     sketch: Sketch
     grid: OccupancyGrid
-    """The same in cells."""
+    """The map as a grid of cells."""
 
 
 @dataclass(frozen=True)
@@ -46,21 +46,21 @@ class Whole:
 
 @dataclass(frozen=True)
 class Drawer:
-    """What a map is drawn with."""
+    """The settings of a map."""
 
     spec: RobotSpec
     width: float
-    """Of the tape [m]."""
+    """Width of the tape [m]."""
     start: Pose2
     side: float
-    """Of the cells [m]."""
+    """Side of the cells [m]."""
 
 
 class MappedDrive:
-    """One drive, from its first tick on; for one thread."""
+    """One drive from its first tick; used by one thread."""
 
     def __init__(self, program: Program, first: Snapshot, process: WorkerProcess) -> None:
-        """Begin at the first tick, which is still to be added; a process will draw."""
+        """Begin at the first tick, which is added later, and start the process that draws."""
         self._spec = first.spec
         width = program.engine.localization.scanner.main_width
         self._process = process
@@ -75,7 +75,7 @@ class MappedDrive:
         self.began = first.stamp
         """Stamp of the first tick [s]."""
         self.seen = first.stamp
-        """Stamp of the last picture that showed tape [s], or that nobody looked at."""
+        """Stamp of the last picture that showed tape, or that was not examined [s]."""
 
     @property
     def seconds(self) -> float:
@@ -83,7 +83,7 @@ class MappedDrive:
         return self._stamps[-1] - self.began
 
     def add(self, snapshot: Snapshot, *, look: bool = True) -> None:
-        """Add a tick; without a look at its picture, only the wheels tell of it."""
+        """Add a tick; if its picture is not examined, only its odometry counts."""
         edges = self._recorder.add(snapshot.reading, look=look)
         self._stamps.append(snapshot.stamp)
         self._odometry.append(snapshot.odom_from_robot)
@@ -93,7 +93,7 @@ class MappedDrive:
             self.seen = snapshot.stamp
 
     def draw(self) -> Future[Drawn | None]:
-        """Let the process draw what is new; None if nothing is.
+        """Let the process draw the new ticks; None if there are none.
 
         The future raises a MappingError while the drive shows too little, and a CalibrationError
         if no path explains it.
@@ -101,15 +101,15 @@ class MappedDrive:
         return self._process.submit(_draw, self._recorder.take())
 
     def whole(self) -> Future[Whole]:
-        """Let the process adjust all of it so far; the future raises what those of ``draw`` raise.
+        """Let the process adjust the whole drive so far; the future raises the errors of ``draw``.
 
-        The drive may go on.
+        The drive may continue meanwhile.
         """
         return self._process.submit(_whole, self._recorder.take())
 
     def map_from_odom(self, pose: Pose2, stamp: float) -> Pose2:
-        """Return where odometry began in a map, by the robot's pose at a picture's stamp [s]."""
-        # A picture shows the floor as it was when it was exposed.
+        """Return the odom frame in a map, from the robot's pose at a picture's stamp [s]."""
+        # A picture shows the floor at the moment of its exposure.
         exposed = stamp - self._spec.picture_delay
         later = min(max(1, bisect_left(self._stamps, exposed)), len(self._stamps) - 1)
         start, end = self._stamps[later - 1], self._stamps[later]
@@ -119,7 +119,7 @@ class MappedDrive:
 
 
 class _Growing:
-    """The map in the process: what is drawn stays there, and only what is new is sent to it."""
+    """The map in the process, which keeps it, so that only new ticks are sent."""
 
     def __init__(self, drawer: Drawer) -> None:
         self._drawer = drawer
@@ -127,7 +127,7 @@ class _Growing:
         self._mapper: Mapper | None = None
 
     def draw(self, more: DriveLog) -> Drawn | None:
-        # If no path explains what is new, what was drawn before stays.
+        # If no path explains the new ticks, the map drawn before stays.
         mapper = copy(self._extended(more))
         before = mapper.mapped
         mapper.catch_up()
@@ -140,7 +140,7 @@ class _Growing:
         return Drawn(sketch, occupancy(sketch.lines, drawer.width, seen, drawer.side))
 
     def whole(self, more: DriveLog) -> Whole:
-        # What is adjusted as a whole has other strokes than what grows.
+        # An adjustment of the whole drive has other strokes than the growing map.
         drawn = copy(self._extended(more)).run()
         return Whole(drawn, drawn.cells(self._drawer.side))
 
@@ -155,7 +155,7 @@ class _Growing:
 
 
 _growing: _Growing
-"""Of this process; each draws one map."""
+"""The map of this process; each process draws one."""
 
 
 def _begin(drawer: Drawer) -> None:

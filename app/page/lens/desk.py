@@ -1,4 +1,4 @@
-"""Calibrates the lens by the running camera, for all pages that are open."""
+"""Calibrates the lens with the running camera, for all open pages."""
 
 from __future__ import annotations
 
@@ -39,19 +39,19 @@ from robot.errors import BrickPoseError, CommandError
 from robot.interface import Frame
 
 PERIOD_S = 0.25
-"""Time from one look to the next, if it does not take longer [s]."""
+"""Least time between two pictures that are examined [s]."""
 LONGEST = 2000
 """Longest request [characters]."""
 POLICY = 1008
-"""Closes a socket of somebody who may not use it."""
+"""Close code for a client that may not use the socket."""
 Request = LensStartRequest | LensCalibrateRequest | LensSaveRequest
 
 
 class LensDesk:
-    """One calibration, which pages see and work together.
+    """One calibration, which all pages show and control together.
 
-    Pictures are looked at in a thread of their own, one at a time, and only while a page is open
-    whose link may drive. What was taken stays if the last page closes.
+    A separate thread examines one picture at a time, and only while a page is open whose link may
+    drive. The pictures taken so far stay when the last page closes.
     """
 
     def __init__(self, program: Program) -> None:
@@ -66,10 +66,10 @@ class LensDesk:
         """The newest lens; None before the first."""
         self._status = Latest[str]()
         self._turn = anyio.Lock()
-        """Held by the socket that works for all."""
+        """The socket that holds it does the work for all."""
 
     async def serve(self, socket: WebSocket) -> None:
-        """Show one page how far it is, and take its requests, until it closes."""
+        """Send the progress to one page, and take its requests, until it closes."""
         await socket.accept()
         outgoing = WebsocketWriter(socket)
         if role_in(socket.scope) is Role.WATCH:
@@ -98,7 +98,7 @@ class LensDesk:
         """Return a request that can be carried out.
 
         Raises:
-            BrickPoseError: it cannot; says why.
+            BrickPoseError: it cannot be carried out; says why.
         """
         if len(text) > LONGEST:
             raise CommandError(f"a request has at most {LONGEST} characters")
@@ -113,7 +113,7 @@ class LensDesk:
         return request
 
     async def _work(self) -> None:
-        """Carry out requests and look at pictures, as long as it is this socket's turn."""
+        """Carry out requests and examine pictures while this socket holds the lock."""
         async with self._turn:
             while True:
                 due = anyio.current_time() + PERIOD_S
@@ -190,7 +190,7 @@ def board_of(message: BoardMessage) -> Board:
     """Return the board that a message describes.
 
     Raises:
-        SettingError: there is none like it; says what is valid.
+        SettingError: there is no such board; says what is valid.
     """
     return Board(**message.model_dump())
 

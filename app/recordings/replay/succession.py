@@ -1,4 +1,4 @@
-"""What follows a program whose page asks for it: a recording, its own drive again, the robot."""
+"""Builds the next program when the page asks for one: a replay, or the robot again."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from sim.real_time import RealTime
 
 
 def replay_after(program: Program, path: Path) -> ReplayProgram:
-    """Make a program that replays a recording in place of another program, whose page opened it.
+    """Build the program that replays a recording which another program's page opened.
 
     Raises:
         RecordingError, SettingError, FieldError, SpecError: as ``open_replay``.
@@ -28,10 +28,10 @@ def replay_after(program: Program, path: Path) -> ReplayProgram:
 
 
 def run_again(program: Program, path: Path) -> ReplayProgram:
-    """Make a program that replays what was recorded of another, with the parameters it has by now.
+    """Build the program that replays a recording with the current parameters of another program.
 
-    What differs from the settings of the recording holds from its beginning on, and overrides what
-    was changed on the way; so do the user's own models.
+    A setting that differs from the recording's holds from the beginning, and overrides recorded
+    changes; so do the user's own models.
 
     Raises:
         RecordingError, SettingError, FieldError, SpecError: as ``open_replay``.

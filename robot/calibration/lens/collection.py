@@ -1,4 +1,4 @@
-"""Pictures of a board, taken one after the other: which count, and what is still missing."""
+"""Collects pictures of a board: says which count, and what is still missing."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from robot.calibration.lens.sighting import Grey, Sighting, SightingError, find_
 
 @dataclass
 class PictureCollection:
-    """Guides whoever takes the pictures; knows nothing of windows and pages."""
+    """Guides a person who takes pictures, in a window or on a page."""
 
     board: Board
     seen: dict[str, Sighting] = field(default_factory=dict)
-    """The pictures that count, by name, in the order in which they came."""
+    """The pictures that count, by name, in the order of their arrival."""
 
     def add(self, name: str, picture: Grey) -> str:
-        """Take a grey picture (h, w) if it is of use; return why not, or nothing.
+        """Keep a grey picture (h, w) if it is useful; else return the reason.
 
-        A picture of another size than the first, a blurred or a repeated one is of no use.
+        A picture is useless if its size differs from the first, or if it is blurred or repeated.
         """
         try:
             sighting = find_board(picture, self.board)
@@ -30,8 +30,8 @@ class PictureCollection:
         return self.take(name, sighting)
 
     def take(self, name: str, sighting: Sighting) -> str:
-        """Take what a picture shows if it is of use; return why not, or nothing."""
-        # Beside sharper ones that came later, an earlier one may be blurred.
+        """Keep what a picture shows if it is useful; else return the reason."""
+        # Compared with sharper pictures that came later, an earlier one may be blurred.
         useless = of_no_use(self.seen | {name: sighting}, self.board)
         self.seen[name] = sighting
         for bad in useless:
@@ -40,11 +40,11 @@ class PictureCollection:
 
     @property
     def coverage(self) -> Coverage:
-        """What the pictures cover so far, and what not."""
+        """What the pictures cover so far, and what they lack."""
         return Coverage.of(list(self.seen.values()), self.board)
 
     def calibrate(self) -> LensCalibration:
-        """Calibrate the lens by the pictures so far.
+        """Calibrate the lens with the pictures so far.
 
         Raises:
             LensError: they are too few, or no lens fits them.
