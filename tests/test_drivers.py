@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.engine.drivers import SILENCE, Driver, Drivers
+from app.engine.drivers import RETURN_S, SILENCE, Driver, Drivers
 from app.engine.mailboxes.backlog import Backlog
 from app.messages.commands import Command, ScatterCommand
 from app.messages.driving_commands import DriveCommand, FigureEightCommand, StopCommand, TakeCommand
@@ -25,10 +25,10 @@ RENEWAL = 0.05
 class Floor:
     """Two people at one robot."""
 
-    def __init__(self) -> None:
+    def __init__(self, *, stopped: bool = False) -> None:
         self.stamp = 0.0
         self.queue: Backlog[Command] = Backlog()
-        self.drivers = Drivers(self.queue, TIMEOUT, lambda: self.stamp)
+        self.drivers = Drivers(self.queue, TIMEOUT, lambda: self.stamp, stopped=stopped)
         self.ann, self.bob = Driver("Ann"), Driver("Bob")
 
     def try_to(self, driver: Driver, command: Command) -> bool:
@@ -69,6 +69,18 @@ def test_who_lets_go_for_a_second_has_the_drive_no_more(floor: Floor) -> None:
     assert floor.drivers.state.driver is None
     assert floor.try_to(floor.bob, DRIVE)
     assert not floor.try_to(floor.ann, DRIVE)
+
+
+def test_a_stop_from_before_a_change_of_program_holds_against_a_key_held_since() -> None:
+    """The new program knows no gesture from before: who drives soon may have driven then."""
+    floor = Floor(stopped=True)
+    floor.stamp = 0.5 * RETURN_S
+    assert not any(floor.hold(floor.ann, 2 * SILENCE))
+    floor.stamp += SILENCE  # Ann has let go.
+    assert all(floor.hold(floor.ann, 0.3))
+    later = Floor(stopped=True)
+    later.stamp = RETURN_S
+    assert all(later.hold(later.bob, 0.3))
 
 
 def test_a_stop_holds_against_who_goes_on_holding_a_key(floor: Floor) -> None:

@@ -9,13 +9,17 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
+from app.settings.config import MAPS
+from robot.fields.field_loading import load_field
 from robot.geometry import Array, Pose2, Twist2
+from robot.localization.monitoring.monitor import Monitor
 from robot.localization.monitoring.odometry_check import (
     ERRORS,
     OdometryCheck,
     OdometryErrors,
 )
 from robot.localization.monitoring.step_sums import step_columns
+from robot.localization.ray_evidence import RayEvidence
 
 PERIOD = 1 / 30
 FINE = 10
@@ -120,6 +124,19 @@ def test_of_a_clean_robot_nothing_is_left() -> None:
         assert (errors.rest < 1.2).all()
         assert abs(errors.value("late")) < 0.003
         assert abs(errors.value("forward")) < 0.005
+
+
+def test_steps_of_odometry_are_corrected_by_what_was_found() -> None:
+    monitor = Monitor(RayEvidence.of(load_field("square", MAPS), 1.0, 0.005))
+    planted = Planted(forward=0.04, turn_by_way=-0.4, turn=0.06)
+    monitor._wheels = tuple(planted.values[1:4].tolist())
+    for twist in (Twist2(0.2, 0.0), Twist2(0.15, 1.2), Twist2(-0.1, -0.7)):
+        v, omega = twist.v, twist.omega
+        rolled = Twist2(v * 1.04, omega * 1.06 - 0.4 * v)
+        away = monitor.corrected_step(twist.integrate(0.1)).inverse() @ rolled.integrate(0.1)
+        assert np.abs(away.to_array()).max() < 2e-5
+        raw = twist.integrate(0.1).inverse() @ rolled.integrate(0.1)
+        assert np.abs(raw.to_array()).max() > 10 * np.abs(away.to_array()).max()
 
 
 def test_before_it_has_moved_it_knows_what_robots_usually_are() -> None:

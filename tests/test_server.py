@@ -170,6 +170,8 @@ def test_nothing_else_is_served(server, path):
     [
         {"Host": "evil.example"},
         {"Sec-Fetch-Site": "cross-site", "Sec-Fetch-Mode": "no-cors"},
+        # A page at another port of this machine.
+        {"Sec-Fetch-Site": "same-site", "Sec-Fetch-Mode": "no-cors"},
         {"Host": "[::1"},
         {"Origin": "http://evil.example"},
         {"Origin": "http://[::1"},
@@ -179,6 +181,12 @@ def test_nothing_else_is_served(server, path):
 )
 def test_other_origins_and_names_are_refused(server, headers):
     assert get(server, "/api/state", **headers).status_code == 403
+
+
+def test_a_page_at_another_port_is_of_another_origin(server):
+    """Also where its address is the beginning of the robot's."""
+    for origin in (server.url[:-1], server.url + "0", server.url.rpartition(":")[0]):
+        assert get(server, "/api/state", Origin=origin).status_code == 403
 
 
 @pytest.mark.parametrize("path", ["/api/live", "/api/camera", "/view"])

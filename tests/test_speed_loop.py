@@ -1,10 +1,11 @@
 """When a wheel that does not move is taken for blocked."""
 
+import numpy as np
 import pytest
 
 from robot.description.wiring import KINDS
 from robot.hat.joint_track import JointTrack
-from robot.hat.speed_loop import HELD_S, HELD_TRAVEL, SpeedLoop
+from robot.hat.speed_loop import HELD_S, HELD_TRAVEL, KICK_S, NOMINAL_SUPPLY, RAIL, SpeedLoop
 
 DT = 0.01
 
@@ -33,3 +34,19 @@ def test_a_slow_wheel_may_stay_on_one_degree_for_longer():
 
 def test_a_quick_wheel_may_stay_for_a_moment():
     assert not is_held_on_the_spot(1000, 0.9 * HELD_S)
+
+
+@pytest.mark.parametrize("way", [-1, 1])
+def test_a_wheel_that_stood_gets_more_duty_for_a_moment(way):
+    """Static friction is larger than that of a wheel that turns."""
+    kind = next(iter(KINDS.values()))
+    loop, track = SpeedLoop(kind, position_gain=0.0), JointTrack()
+    duties = []
+    for tick in range(round(2 * KICK_S / DT)):
+        track.report(tick * DT, 0, 0)
+        duties.append(way * loop.update(way * 100.0, tick * DT, track, 8.0))
+    kicks, later = duties[: round(KICK_S / DT)], duties[round(KICK_S / DT) :]
+    assert kind.breakaway > kind.friction and len(later) == len(kicks)
+    more = (kind.breakaway - kind.friction) / (RAIL * 8.0 / NOMINAL_SUPPLY)
+    assert np.ptp(kicks) == np.ptp(later) == 0
+    assert kicks[0] - later[0] == pytest.approx(more)

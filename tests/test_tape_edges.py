@@ -12,6 +12,9 @@ from robot.geometry import Array
 from robot.scanning.edge_search import PAIRS
 from robot.scanning.tape_edges import Verdict, judge_pairs
 
+LIMITS = (0.012, 0.04, 0.002, 0.006, 0.07)
+"""Width's tolerance, support, straightness, taper and the tightest bend [m]."""
+
 
 def stripe(
     count: int = 21,
@@ -33,7 +36,7 @@ def stripe(
 def judge(entries: Array, exits: Array) -> tuple[NDArray[np.int8], NDArray[np.int8], Array, Array]:
     pairs = np.concatenate([entries, exits], axis=2)
     met = (2 * np.isfinite(entries[..., 0]).sum(axis=1)).astype(np.int32)
-    return judge_pairs(pairs, met, np.array([0.05]), 0.012, 0.04, 0.002, 0.006, 0.07)
+    return judge_pairs(pairs, met, np.array([0.05]), *LIMITS)
 
 
 @pytest.mark.parametrize("slant", [0.0, 0.5, -1.0])
@@ -54,6 +57,14 @@ def test_the_width_may_be_off_by_the_tolerance(width: float, verdict: Verdict) -
     _, verdicts, widths, _ = judge(*stripe(width=width))
     assert (verdicts == verdict).all()
     assert widths == pytest.approx(width)
+
+
+def test_a_ray_with_an_entry_alone_has_no_exit_and_one_out_of_sight_nothing() -> None:
+    pairs = np.full((3, PAIRS, 4), np.nan)
+    met = np.array([0, 1, -1], np.int32)
+    _, verdicts, widths, _ = judge_pairs(pairs, met, np.array([0.05]), *LIMITS)
+    assert verdicts.tolist() == [Verdict.NO_EDGE, Verdict.NO_EXIT, Verdict.OUT_OF_SIGHT]
+    assert np.isnan(widths).all()
 
 
 def test_an_edge_must_be_straight() -> None:
