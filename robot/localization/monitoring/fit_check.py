@@ -45,11 +45,11 @@ class FitCheck:
         fits = self._gains([pose] if expected is None else [pose, expected], rays)
         if not fits:
             return
-        now, *before = fits
-        self._mean += NEWEST_SHARE * (min(now, 1.0) - self._mean)
+        latest, *before = fits
+        self._mean += NEWEST_SHARE * (min(latest, 1.0) - self._mean)
         for fit in before:
             # A scan may move the pose anywhere from a place that did not fit anyway.
-            worse = min(now - fit, 0.0) if fit > 0 else 0.0
+            worse = min(latest - fit, 0.0) if fit > 0 else 0.0
             self.change = (1 - FORGETTING) * self.change + max(worse, -MOST_CHANGE)
 
     def _gains(self, poses: list[Pose2], rays: Array) -> list[float]:
