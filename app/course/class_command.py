@@ -1,4 +1,4 @@
-"""``brickpose check`` of several files: a whole class, beside each other on workers."""
+"""``brickpose check`` of several files: grades a whole class on parallel workers."""
 
 from __future__ import annotations
 
@@ -22,22 +22,22 @@ class Submission:
     """A student's file."""
 
     name: str
-    """Its path below what was given, which tells whose it is."""
+    """Its path below the given folder, which tells whose file it is."""
     file: Path
 
 
 @dataclass(frozen=True)
 class Graded:
-    """How a student's file stands."""
+    """The result of a student's file."""
 
     name: str
     results: tuple[Result, ...] = ()
     problem: str = ""
-    """Why it could not be graded; empty if it was."""
+    """Why the file could not be graded; empty if it was graded."""
 
     @property
     def passed(self) -> bool:
-        """Whether something was begun, and all of that passed."""
+        """Whether the student has begun a lesson, and all begun lessons passed."""
         begun = [result for result in self.results if result.started]
         return not self.problem and bool(begun) and all(result.passed for result in begun)
 
@@ -52,10 +52,10 @@ class _Job:
 
 
 def submissions(given: Sequence[Path]) -> list[Submission]:
-    """Return the files that are given, and all Python files in and below the folders.
+    """Return the given files, and all Python files in and below the given folders.
 
     Raises:
-        SettingError: there is none.
+        SettingError: there is no file.
     """
     result = []
     for path in given:
@@ -76,14 +76,14 @@ def grade_class(
     seed: int,
     workers: Workers,
 ) -> list[Graded]:
-    """Grade lessons of many files; neither workers nor their order change a result.
+    """Grade lessons of many files; the workers and their order do not change a result.
 
     Args:
-        given: the files; one that cannot be read is told, and the others are graded.
-        numbers: of the lessons.
+        given: the files; a file that cannot be read gets that as its result.
+        numbers: the numbers of the lessons.
         folder: a teacher's own lessons.
-        seed: of the cases.
-        workers: who grades.
+        seed: seed of the cases.
+        workers: the workers that grade.
     """
     texts = [_text(item.file) for item in given]
     jobs = [
@@ -122,7 +122,7 @@ def _grade(job: _Job) -> Result:
 
 
 def as_table(graded: Sequence[Graded], numbers: Sequence[int], language: Catalogue) -> str:
-    """Return a row a file and a column a lesson, for people."""
+    """Return a table with a row for each file and a column for each lesson."""
     width = max(len(item.name) for item in graded)
     lines = [" " * width + "".join(f"{number:>4}" for number in numbers)]
     for item in graded:
@@ -137,7 +137,7 @@ def _mark(result: Result) -> str:
 
 
 def as_csv(graded: Sequence[Graded], numbers: Sequence[int]) -> str:
-    """Return a row a file: of each lesson ``passed``, the causes found, or nothing."""
+    """Return a row for each file: for each lesson ``passed``, the causes found, or nothing."""
     text = io.StringIO(newline="")
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(["file", *(f"lesson {number}" for number in numbers), "problem"])

@@ -1,4 +1,4 @@
-"""Grades a file: runs a lesson's cases in a student's process, and names what is wrong."""
+"""Grades a file: runs a lesson's cases in a process of their own, and names what is wrong."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from app.course.lesson import Lesson
 from app.course.sandbox.student_process import Answer, StudentError, StudentProcess
 
 SEED = 20_240_229
-"""Seed of the cases if none is given: the same file is graded the same each time."""
+"""Default seed of the cases, so that the same file always gets the same result."""
 MOST_FAILURES = 4
-"""After so many calls without a result no more are asked."""
+"""No further cases are run after this number of calls without a result."""
 
 
 def grade(source: str, path: str, lesson: Lesson, seed: int = SEED) -> Result:
@@ -28,14 +28,14 @@ def grade(source: str, path: str, lesson: Lesson, seed: int = SEED) -> Result:
     Args:
         source: the file's text.
         path: its name, for messages.
-        lesson: what is checked.
+        lesson: the lesson that is checked.
         seed: of the cases.
     """
     return grade_often(source, path, lesson, (seed,))[0]
 
 
 def grade_often(source: str, path: str, lesson: Lesson, seeds: Sequence[int]) -> list[Result]:
-    """Grade one lesson of a file with several seeds, in one process where it survives."""
+    """Grade one lesson of a file with several seeds, in one process as long as it survives."""
     checks = lesson.checks
     if not _written(source, checks):
         return [Result(lesson.number, lesson.name, started=False)] * len(seeds)
@@ -69,7 +69,7 @@ def _findings(
 def measure(
     process: StudentProcess, lesson: Lesson, cases: Iterable[Case]
 ) -> tuple[list[Measured], list[Finding]]:
-    """Ask all cases; after a few failures, or when the process is gone, no more."""
+    """Run all cases; end after a few calls without a result, or when the process is gone."""
     measured: list[Measured] = []
     failures: list[Finding] = []
     for case in cases:
@@ -142,7 +142,7 @@ def _finding(lesson: Lesson, code: str, case: Case, compared: Words, picture: st
 
 
 def _altered(lesson: Lesson, measured: Iterable[Measured]) -> Iterator[Finding]:
-    """Find the first case whose arguments the function has changed, if it must not."""
+    """Find the first case whose arguments the function has changed although it must not."""
     for item in measured:
         arrays = [value for value in item.case.arguments if isinstance(value, np.ndarray)]
         kept = [value for value in item.outcome.answers[0].after if isinstance(value, np.ndarray)]
@@ -181,7 +181,7 @@ def _failure(lesson: Lesson, error: StudentError, case: Case | None = None) -> F
 
 
 def _written(source: str, checks: Checks) -> bool:
-    """Return whether a file has more than stubs of a lesson; what is no Python is no stub."""
+    """Return whether a file has more than stubs of a lesson; a file that is not Python has more."""
     try:
         tree = ast.parse(source)
     except (SyntaxError, ValueError, RecursionError, MemoryError):

@@ -1,4 +1,4 @@
-"""Present problems in plain words, and a record of past ones."""
+"""The current problems in plain words, and a record of past ones."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from dataclasses import dataclass
 KEPT = 100
 LOG = logging.getLogger("brickpose")
 CLIENTS_LOG = logging.getLogger("brickpose.clients")
-"""What clients do wrong: a few lines of each kind a minute, whatever they send."""
+"""Mistakes of clients: only a few lines of each kind a minute are logged."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +34,7 @@ class Problems:
         """Problems since the start."""
 
     def report(self, topic: str, stamp: float, message: str | None) -> None:
-        """Report what is wrong with a topic, or None if nothing is; log it when it begins."""
+        """Report the problem of a topic, or None without one; log it when it begins."""
         if message is None:
             self._now.pop(topic, None)
         elif self._now.get(topic) != message:
@@ -43,7 +43,7 @@ class Problems:
             self._now[topic] = message
 
     def report_all(self, topic: str, stamp: float, messages: Sequence[str]) -> None:
-        """Report everything that is wrong with a topic; log each message when it begins."""
+        """Report all problems of a topic; log each when it begins."""
         wrong = {f"{topic}: {message}": message for message in messages}
         for over in [
             item for item in self._now if item.startswith(f"{topic}: ") and item not in wrong
@@ -60,5 +60,5 @@ class Problems:
 
     @property
     def now(self) -> tuple[str, ...]:
-        """What is wrong now."""
+        """The current problems."""
         return tuple(self._now.values())

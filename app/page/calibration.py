@@ -1,4 +1,4 @@
-"""What the page asks about the robot's calibration, and about the drive for it."""
+"""Routes of the robot's calibration, and the progress of its drive."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ INTERVAL = 1.96
 
 
 def drive_message(drive: CalibrationDrive | None, stamp: float) -> CalibrationDriveMessage | None:
-    """Return how far the drive of a calibration is at a stamp [s]; None before the first."""
+    """Return the progress of a calibration's drive at a stamp [s]; None before the first drive."""
     if drive is None:
         return None
     return CalibrationDriveMessage(
@@ -36,7 +36,7 @@ def drive_message(drive: CalibrationDrive | None, stamp: float) -> CalibrationDr
 
 
 def calibration_router(program: Program, calibrator: DriveCalibrator) -> APIRouter:
-    """Return the routes that tell what is known of a program's robot."""
+    """Return the routes of what is known of a program's robot."""
     router = APIRouter()
 
     def known() -> RobotSpec:
@@ -45,7 +45,7 @@ def calibration_router(program: Program, calibrator: DriveCalibrator) -> APIRout
 
     @router.get("/api/calibration")
     def calibration() -> CalibrationMessage:
-        """What is known of the robot: by the calibration that drives now, or by the last one."""
+        """What is known of the robot, from the current drive or the last calibration."""
         return calibration_message(known(), calibrator)
 
     @router.get(
@@ -54,7 +54,7 @@ def calibration_router(program: Program, calibrator: DriveCalibrator) -> APIRout
         responses=content("application/toml") | refusal(404, "a robot that nobody has calibrated"),
     )
     def robot_profile() -> Response:
-        """The profile of the present calibration, as TOML; `brickpose run --profile` takes it."""
+        """The profile of the current calibration, as TOML; `brickpose run --profile` takes it."""
         spec = known()
         if not spec.measured:
             raise HTTPException(404, "Nobody has calibrated this robot.")
@@ -65,7 +65,7 @@ def calibration_router(program: Program, calibrator: DriveCalibrator) -> APIRout
 
 
 def calibration_message(spec: RobotSpec, calibrator: DriveCalibrator) -> CalibrationMessage:
-    """Return what is known of the robot: by the last drive, or by its profile."""
+    """Return what is known of the robot, from the last drive or from its profile."""
     drive, profile = calibrator.drive, Profile.of(spec)
     values, sd, result = profile.values, profile.sd, None
     if drive is not None and drive.state != "failed" and drive.calibration is not None:

@@ -1,4 +1,4 @@
-"""How many connections there is room for, and which one goes when there is none left."""
+"""Limits the number of connections, and closes the most silent one to make room."""
 
 from __future__ import annotations
 
@@ -10,22 +10,22 @@ from dataclasses import dataclass
 from typing import Protocol
 
 MOST = 512
-"""Most connections: some fifty pages."""
+"""Most connections; enough for some fifty pages."""
 RESERVE = 32
-"""Places that are kept for websockets: a page that has lost its own gets it back."""
+"""Places reserved for websockets, so that a page that lost its socket gets one again."""
 SHARE = 4
-"""An address other than loopback gets one in so many of the places."""
+"""An address other than loopback gets at most one in this number of places."""
 
 
 class Connection(Protocol):
     """An accepted socket."""
 
     def fileno(self) -> int:
-        """Its descriptor; -1 once it is closed."""
+        """Its file descriptor; -1 after it was closed."""
         ...
 
     def shutdown(self, how: int, /) -> None:
-        """End both directions: its server notices that, and closes it."""
+        """Shut both directions down; the server notices that, and closes it."""
         ...
 
 
@@ -34,14 +34,14 @@ class _Guest:
     connection: Connection
     address: str
     silent: bool = True
-    """Whether it has no request under way: none came yet, or all are answered."""
+    """Whether it has no open request: none came yet, or all are answered."""
 
 
 class Room:
     """All open connections of a server, by descriptor.
 
-    Who comes gets a place as long as there is one. When there is none, the connection that has been
-    silent for longest makes room; those with a request under way, as the driver's, never do.
+    A new connection gets a place if one is free. Otherwise, the connection that has been silent for
+    longest is closed; a connection with an open request, such as the driver's, is never closed.
     """
 
     def __init__(self, most: int = MOST) -> None:
@@ -49,7 +49,7 @@ class Room:
         self._guests: dict[int, _Guest] = {}
 
     def admit(self, connection: Connection, address: str) -> bool:
-        """Give a connection a place; False if there is none for it."""
+        """Give a connection a place; return False if there is none."""
         self._forget_closed()
         local = _is_local(address)
         same = [guest for guest in self._guests.values() if guest.address == address]
@@ -61,7 +61,7 @@ class Room:
         return True
 
     def set_silent(self, descriptor: int, silent: bool) -> None:
-        """Note whether a connection has no request under way."""
+        """Note whether a connection has no open request."""
         guest = self._guests.pop(descriptor, None)
         if guest is not None:
             guest.silent = silent
@@ -69,13 +69,13 @@ class Room:
 
     @property
     def crowded(self) -> bool:
-        """Whether all places but the reserve are taken by connections with a request under way."""
+        """Whether connections with an open request take all places but the reserve."""
         self._forget_closed()
         busy = sum(not guest.silent for guest in self._guests.values())
         return busy >= self.most - min(RESERVE, self.most // SHARE)
 
     def release(self) -> bool:
-        """Let the connection go that has been silent for longest; False if there is none."""
+        """Close the connection that has been silent for longest; return False if there is none."""
         self._forget_closed()
         return self._release(self._guests.values())
 
@@ -97,7 +97,7 @@ class Room:
 
 
 def _is_local(address: str) -> bool:
-    """Whether an address is this computer's own, also if a socket for IPv6 tells one of IPv4."""
+    """Whether an address is this computer's own, also an IPv4 address written as IPv6."""
     parsed = ipaddress.ip_address(address.partition("%")[0])
     mapped = parsed.ipv4_mapped if isinstance(parsed, ipaddress.IPv6Address) else None
     return (mapped or parsed).is_loopback

@@ -50,7 +50,7 @@ class Server:
     ) -> None:
         """Prepare to serve; requests need one of the tokens, if there are any."""
         self.successor: Callable[[], Program] | None = None
-        """Makes the program to go on with; None is to end."""
+        """Builds the next program; None ends the server."""
         self._program = program
         self._engine = program.engine
         self._thread = EngineThread(program.engine, program.loop)
@@ -63,7 +63,7 @@ class Server:
             loop="asyncio",  # another's would not ask our socket whom to accept
             backlog=BACKLOG,
             ws="websockets-sansio",
-            # Compressing arrays of particles costs ten times the rest, and gains little.
+            # Compressing arrays of particles costs ten times as much as the rest, and saves little.
             ws_per_message_deflate=False,
             ws_max_size=2 * 1024 * 1024,
             ws_ping_interval=5,
@@ -85,26 +85,26 @@ class Server:
             self._outlets.close()
 
     def _change_map(self, name: str, place: Hypothesis | None) -> None:
-        """Go on in another map soon; from a thread of the event loop's."""
+        """Switch to another map soon; called in a worker thread of the event loop."""
         following = partial(_successor, self._program, name, place)
         from_thread.run_sync(partial(self._end_soon, following, hand_over=True))
 
     def _go_on(self, following: Callable[[], Program]) -> None:
-        """Go on with another program soon; from a thread of the event loop's."""
+        """Switch to another program soon; called in a worker thread of the event loop."""
         from_thread.run_sync(partial(self._end_soon, following, hand_over=False))
 
     def _end_soon(self, following: Callable[[], Program], *, hand_over: bool) -> None:
-        """End this program soon; in the event loop, so that of two clients one is the first.
+        """End this program soon; called in the event loop, so that only one of two clients wins.
 
         Raises:
-            CommandError: it ends already; a second one could take the robot with nobody to close
-                it.
+            CommandError: it is already ending; a second program could take the robot, and
+                nobody would close it.
         """
         if self.successor is not None:
             raise CommandError("the program goes on with something else already; wait a second")
         self.successor = following
         self._engine.handed_over = hand_over
-        # The page's command has to be answered before.
+        # The page's command must be answered first.
         asyncio.get_running_loop().call_later(ANSWERED_S, self.stop)
 
     @property
@@ -130,16 +130,15 @@ def serve(
 ) -> Program | None:
     """Serve until SIGINT or SIGTERM; then stop the motors first, and disconnect viewers next.
 
-    Returns None then; or, if the page changes the map or opens a recording, the program to go on
-    with.
+    Returns the next program if the page changes the map or opens a recording; else None.
 
     Args:
-        program: what is served.
-        listening: the socket.
+        program: the program to serve.
+        listening: the listening socket.
         tokens: requests need one of them, if there are any.
         certificate: for HTTPS.
-        announce: says where the program is; from then on a signal is its usual end.
-        routers: what other rooms serve beside the page.
+        announce: prints the address; from then on, a signal is the usual end of the program.
+        routers: routes of other rooms of the program.
     """
     following: Program | None = None
     try:
@@ -169,7 +168,7 @@ def serve_on(
     certificate: Certificate | None = None,
     routers: Sequence[APIRouter] = (),
 ) -> None:
-    """Serve what the page goes on with, one program after the other, at the same address."""
+    """Serve one program after the other at the same address, as the page asks for them."""
     following: Program | None = program
     while following is not None:
         with listen(following.config.host, port) as listening:

@@ -1,4 +1,4 @@
-"""Names the wrong thought: which mistakes in the reference would give what the student's gives?"""
+"""Names the mistake: which mistakes in the reference give the student's results?"""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from app.course.grader.words import Words
 from robot.geometry import Array
 
 MOST_MISTAKES = 2
-"""Mistakes at once that are tried."""
+"""Most mistakes that are tried together."""
 PARTLY = 0.5
-"""Share of the failed cases that a mistake must explain to be named when none explains all."""
+"""If no mistake explains all failed cases, one that explains this share of them is named."""
 UNKNOWN = "differs"
 """The cause when none is known."""
 
 
 @dataclass(frozen=True, eq=False)
 class Measured:
-    """An outcome with its features beside the reference's."""
+    """An outcome, with its features and the reference's."""
 
     outcome: Outcome
     given: Array
@@ -35,7 +35,7 @@ class Measured:
 
     @property
     def passed(self) -> bool:
-        """Whether the features are the reference's."""
+        """Whether the features equal the reference's."""
         return agree(self.given, self.expected, self.case.tolerance)
 
 
@@ -46,13 +46,13 @@ class Diagnosis:
     cause: str
     measured: Measured
     certain: bool = True
-    """Whether it explains all; else only part of what is wrong."""
+    """Whether it explains all failed cases; else only some of them."""
     note: Words | None = None
-    """What shows it, if it is not the features."""
+    """What shows the cause, if the features do not."""
 
 
 def agree(given: Array, expected: Array, tolerance: float | Array) -> bool:
-    """Return whether features are the same, up to a tolerance; nan and infinities as well."""
+    """Return whether features are equal up to a tolerance; nan equals nan, and inf equals inf."""
     if given.shape != expected.shape:
         return False
     with np.errstate(invalid="ignore"):
@@ -62,7 +62,7 @@ def agree(given: Array, expected: Array, tolerance: float | Array) -> bool:
 
 
 def diagnose(checks: Checks, measured: Sequence[Measured]) -> list[Diagnosis]:
-    """Return what is wrong, the surest first; empty if nothing is."""
+    """Return what is wrong, the most certain first; empty if nothing is wrong."""
     by_outcome = {id(item.outcome): item for item in measured}
     signs = [
         (sign, by_outcome[id(sign.outcome)])
@@ -89,9 +89,9 @@ def _by_cause(named: list[Diagnosis]) -> list[Diagnosis]:
 def _explained(
     checks: Checks, measured: Sequence[Measured], failed: Sequence[Measured]
 ) -> Iterator[Diagnosis]:
-    """Find the fewest mistakes that give all features as the student's code does."""
+    """Find the fewest mistakes that give all the features of the student's code."""
     for mistakes in _sets(checks.hypotheses):
-        # The failed cases first: most hypotheses are out with one of them.
+        # The failed cases first: one of them already excludes most hypotheses.
         if all(_gives(checks, item, mistakes) for item in (*failed, *measured)):
             yield from _named(checks, mistakes, failed)
             return
@@ -124,7 +124,7 @@ def _named(
 def _partly_explained(
     checks: Checks, measured: Sequence[Measured], failed: Sequence[Measured]
 ) -> Iterator[Diagnosis]:
-    """Find the mistake that explains most of what failed, and breaks nothing that passed."""
+    """Find the mistake that explains most failed cases, and fails no case that passed."""
     scores = []
     passed = [item for item in measured if item.passed]
     for hypothesis in checks.hypotheses:

@@ -1,4 +1,4 @@
-"""What the grader tells: findings, each with cause, symptom, smallest case and what to do next."""
+"""The grader's findings: each has a cause, a symptom, the smallest case and the next step."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ class Finding:
     lesson: int
     function: str
     cause: str
-    """A code as M1, or a word where the mistake has none."""
+    """A code such as M1, or a word if the mistake has no code."""
     symptom: Words
     """What the mistake does to the filter."""
     case: Words
-    """The smallest case that fails, with numbers."""
+    """The smallest failing case, with numbers."""
     seems: Words
     """What the code seems to do."""
     advice: Words
@@ -41,7 +41,7 @@ class Finding:
         return f"/learn/{self.lesson}" + (f"?{urlencode(query)}" if query else "")
 
     def to_json(self, language: Catalogue = ENGLISH_TEXTS) -> dict[str, Any]:
-        """Return the finding as plain values in a language."""
+        """Return the finding as JSON values, in a language."""
         return {
             "lesson": self.lesson,
             "function": self.function,
@@ -58,13 +58,13 @@ class Finding:
 
 @dataclass(frozen=True)
 class Result:
-    """How one lesson was graded."""
+    """The result of one lesson."""
 
     lesson: int
     name: str
     findings: tuple[Finding, ...] = ()
     started: bool = True
-    """Whether the file has the lesson's functions, beyond their stubs."""
+    """Whether the file has more than stubs of the lesson's functions."""
 
     @property
     def passed(self) -> bool:

@@ -1,4 +1,4 @@
-"""What a map drawer's thread does: it collects the drive, and lets the process draw."""
+"""The work of a map drawer's thread: it collects the drive, and lets a process draw."""
 
 from __future__ import annotations
 
@@ -20,35 +20,35 @@ from robot.mapping.pushed import push_remark
 from robot.mapping.tape_map import MappingError, TapeMap
 
 STEP_S = 0.5
-"""After so much more of the drive its map is drawn again [s]."""
+"""The map is drawn again after this much more of the drive [s]."""
 UNSEEN_S = 4.0
-"""Without tape in sight for longer than this [s], the map depends on the wheels."""
+"""If no tape is in sight for longer than this [s], the map depends on the wheels."""
 EXPLORED = "all of the floor between the tape was seen: finish the map"
 NOTHING_SEEN = "no tape is in sight from here: drive to where the robot sees some"
 MOST_ASKED = 10
-"""So many may wait for the map as it is while it is drawn."""
+"""Most requests that may wait for the map of the drive so far."""
 
 
 class DrawingWork:
-    """Draws one map after the other; other threads ask it to finish, and for the map so far."""
+    """Draws one map after the other; other threads ask it to finish, or for the map so far."""
 
     def __init__(self, program: Program, shown: ShownDrawing) -> None:
-        """Prepare for a program, and to show what is drawn."""
+        """Prepare to draw for a program, and to show what is drawn."""
         self._program = program
         self._shown = shown
         self.finish = threading.Event()
         """Set to end the drive."""
         self.asked = Backlog[Future[TapeMap]](MOST_ASKED)
-        """Gets the map of the drive so far, while it is drawn."""
+        """Receives the map of the drive so far, while it is drawn."""
         self.exploration: Exploration | None = None
-        """Gives routes to the robot; None if it does not explore."""
+        """Gives routes to the robot; None if the robot does not explore."""
 
     def draw(self, ticks: FollowedTicks) -> None:
-        """Draw a map tick by tick, until ``finish`` is set; then adjust all of it.
+        """Draw a map tick by tick, until ``finish`` is set; then adjust the whole drive.
 
         Raises:
-            MappingError, CalibrationError: the drive does not tell what the floor is like.
-            FollowingError: the thread has to end.
+            MappingError, CalibrationError: the drive does not show enough of the floor.
+            FollowingError: the thread must end.
         """
         try:
             with ticks.subscription:
@@ -68,7 +68,7 @@ class DrawingWork:
         )
 
     def _follow(self, ticks: FollowedTicks) -> MappedDrive:
-        """Collect the drive until it is to be finished, and let the process draw on the way."""
+        """Collect the drive until ``finish`` is set, and let the process draw meanwhile."""
         drive: MappedDrive | None = None
         waiting: Future[Drawn | None] | None = None
         due = STEP_S
@@ -98,7 +98,7 @@ class DrawingWork:
             exploration.follow(snapshot, drawing.sketch, drawing.map_from_odom)
 
     def _answer(self, job: Future[Whole]) -> None:
-        """Pass a map on to those who asked, when it is there."""
+        """Pass a finished map on to those who asked for it."""
         for wanted in self.asked.take():
             job.add_done_callback(partial(_pass_on, wanted))
 
@@ -106,7 +106,7 @@ class DrawingWork:
         try:
             drawn = job.result()
         except (MappingError, CalibrationError) as error:
-            # More of the drive may show what is missing.
+            # The rest of the drive may show what is missing.
             self._shown.change(words=self._end_of_exploring or str(error))
             return
         if drawn is not None:
@@ -120,7 +120,7 @@ class DrawingWork:
         self._shown.change(words=self._remark(drive))
 
     def _remark(self, drive: MappedDrive) -> str | None:
-        """Return what is wrong with the map that is drawn; None if nothing is."""
+        """Return what is wrong with the current map; None if nothing is wrong."""
         sketch = None if self._shown.now is None else self._shown.now.sketch
         if sketch is not None and sketch.moved_at is not None:
             return push_remark(sketch.moved_at)
@@ -136,7 +136,7 @@ class DrawingWork:
 
     @property
     def _end_of_exploring(self) -> str | None:
-        """Why the robot explores no more; None while it does, or did not."""
+        """Why the robot stopped exploring; None while it explores, or if it did not."""
         drawing, exploration = self._shown.now, self.exploration
         if exploration is None or not exploration.done or drawing is None:
             return None
@@ -154,7 +154,7 @@ class DrawingWork:
 def _pass_on(wanted: Future[TapeMap], job: Future[Whole]) -> None:
     error = _discarded() if job.cancelled() else job.exception()
     if isinstance(error, BrokenExecutor):
-        # The process was ended while it worked.
+        # Somebody ended the process while it worked.
         error = _discarded()
     if error is None:
         wanted.set_result(job.result().drawn)

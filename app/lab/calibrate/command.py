@@ -1,4 +1,4 @@
-"""``brickpose calibrate drive``: measures a robot by a drive, and writes its profile."""
+"""``brickpose calibrate drive``: measures a robot from a drive, and writes its profile."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def calibrate_drive(given: dict[str, Any]) -> int:
     """Run the command with its options by name; return 0.
 
     Raises:
-        CalibrationError: the drive does not tell what the robot is like; nothing is written then.
+        CalibrationError: the drive does not determine the unknowns; nothing is written.
         SettingError, FieldError, RecordingError, OSError: says what cannot be used.
     """
     seconds = given.pop("seconds", USUAL_S)
@@ -84,7 +84,7 @@ def calibrate_drive(given: dict[str, Any]) -> int:
 
 
 def _silent(seconds: float, solution: Solution) -> None:
-    """Show nothing: the output is no terminal."""
+    """Show nothing, because the output is not a terminal."""
 
 
 def _show(seconds: float, solution: Solution) -> None:
@@ -104,13 +104,13 @@ def calibrate_by_driving(
     report: Report = _silent,
     lens: MeasuredLens | None = None,
 ) -> CalibratedRobot:
-    """Let a robot drive the calibration's programme, and adjust the drive.
+    """Drive the calibration's programme with a robot, and adjust the drive.
 
     Raises:
-        CalibrationError: the robot has a fault, or the drive does not tell what it is like.
+        CalibrationError: the robot has a fault, or the drive does not determine the unknowns.
         SpecError: the lens is for pictures of another size.
     """
-    # A profile from before would hide what is measured.
+    # An earlier profile would hide what is measured.
     config = replace(config, profile=NONE)
     program = build_program(config)
     try:
@@ -160,7 +160,7 @@ def calibrate_recording(
 
     Raises:
         RecordingError: the file cannot be used.
-        CalibrationError: the drive does not tell what the robot is like.
+        CalibrationError: the drive does not determine the unknowns.
     """
     program = open_replay(path, ReplayOptions(map=map_name))
     first: float | None = None
@@ -200,7 +200,7 @@ def _adjusted(
 
 
 def lines_of(calibration: Calibration) -> list[str]:
-    """Return what was found, a line each unknown, for people."""
+    """Return the report, with a line for each unknown."""
     lines = unknown_lines(calibration.values, calibration.sd, calibration.not_learnt)
     lines.append(f"the edges lie {calibration.residual:.2f} times as far off as expected")
     millimetres = 1.96 * 1e3 * calibration.position_sd

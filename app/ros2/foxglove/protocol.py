@@ -1,7 +1,7 @@
-"""Foxglove's protocol of websockets, without sockets: what is said, and how it is read.
+"""Foxglove's websocket protocol, without sockets: writes and reads its messages.
 
-Words are JSON with an ``op``, content is bytes with an opcode. See Foxglove's specification "ws
-protocol v1"; ``foxglove.sdk.v1`` is the same with more operations, none of which we offer.
+Operations are JSON with an ``op``; data is bytes with an opcode. See Foxglove's specification "ws
+protocol v1"; ``foxglove.sdk.v1`` has more operations; this server offers none of them.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from app.messages.commands import in_words
 from app.ros2.message_types import MessageError
 
 SUBPROTOCOLS = ("foxglove.sdk.v1", "foxglove.websocket.v1")
-"""Names of the protocol; the first one that a viewer offers is taken."""
+"""Names of the protocol; the server accepts the first one that a viewer offers."""
 
 MESSAGE_DATA = 1
 SERVICE_CALL_REQUEST = 2
@@ -40,14 +40,14 @@ class Wish(BaseModel):
 
 
 class Subscribe(BaseModel):
-    """Send me these topics."""
+    """A viewer subscribes to topics."""
 
     op: Literal["subscribe"]
     subscriptions: list[Wish] = Field(max_length=MOST_ITEMS)
 
 
 class Unsubscribe(BaseModel):
-    """Do not send me these any more."""
+    """A viewer ends subscriptions."""
 
     op: Literal["unsubscribe"]
     subscriptions: list[Number] = Field(alias="subscriptionIds", max_length=MOST_ITEMS)
@@ -63,28 +63,28 @@ class ClientChannel(BaseModel):
 
 
 class Advertise(BaseModel):
-    """I will publish on these topics."""
+    """A viewer advertises topics on which it will publish."""
 
     op: Literal["advertise"]
     channels: list[ClientChannel] = Field(max_length=MOST_ITEMS)
 
 
 class Unadvertise(BaseModel):
-    """I will not publish on these any more."""
+    """A viewer ends advertisements."""
 
     op: Literal["unadvertise"]
     channels: list[Number] = Field(alias="channelIds", max_length=MOST_ITEMS)
 
 
 class ClientMessage(BaseModel):
-    """A message on a topic."""
+    """A viewer publishes a message on a topic."""
 
     channel: Number
     data: bytes
 
 
 class ServiceCall(BaseModel):
-    """A request to a service."""
+    """A viewer calls a service."""
 
     service: Number
     call: Number
@@ -97,10 +97,10 @@ _WORDS: TypeAdapter[Words] = TypeAdapter(Annotated[Words, Field(discriminator="o
 
 
 def parse(data: str | bytes) -> Words | ClientMessage | ServiceCall:
-    """Return what a viewer says.
+    """Return a viewer's message.
 
     Raises:
-        MessageError: that is not valid; says what is.
+        MessageError: the message is invalid; says what is valid.
     """
     if len(data) > MOST_BYTES:
         raise MessageError(f"a message has at most {MOST_BYTES} bytes; this has {len(data)}")
@@ -128,17 +128,17 @@ def _parse_bytes(data: bytes) -> ClientMessage | ServiceCall:
 
 
 def words(op: str, **content: Any) -> str:
-    """Return an operation as it is sent."""
+    """Return an operation as JSON text."""
     return json.dumps({"op": op, **content}, separators=(",", ":"))
 
 
 def message_data(subscription: int, log_time_ns: int, data: bytes) -> bytes:
-    """Return a message of a subscription, with the time that it was published [ns]."""
+    """Return the bytes of a message for a subscription, with its time of publication [ns]."""
     return struct.pack("<BIQ", MESSAGE_DATA, subscription, log_time_ns) + data
 
 
 def service_response(call: ServiceCall, data: bytes) -> bytes:
-    """Return the answer to a call, in the encoding of the request."""
+    """Return the bytes of the answer to a call, in the encoding of the request."""
     encoding = call.encoding.encode()
     head = struct.pack("<BIII", SERVICE_CALL_RESPONSE, call.service, call.call, len(encoding))
     return head + encoding + data

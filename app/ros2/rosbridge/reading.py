@@ -1,4 +1,4 @@
-"""Converts JSON values to messages; says what is wrong with values that do not fit the type."""
+"""Converts JSON values to messages; reports values that do not fit the type."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ QUATERNION = "geometry_msgs/msg/Quaternion"
 TIMES = ("builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration")
 
 ROS_1_TIMES = {"secs": "sec", "nsecs": "nanosec"}
-"""Names of the fields of a time in pages written for ROS 1, with those of ROS 2."""
+"""The names of a time's fields in ROS 1, with those in ROS 2, for pages written for ROS 1."""
 
 
 def message_of(values: Any, type_name: str, path: str = "") -> Message:
@@ -27,7 +27,7 @@ def message_of(values: Any, type_name: str, path: str = "") -> Message:
 
     Args:
         values: a value from JSON: dict, list, str, number, bool or None.
-        type_name: as ``geometry_msgs/msg/Twist``.
+        type_name: such as ``geometry_msgs/msg/Twist``.
         path: path of the field that contains it, for error messages.
 
     Raises:
@@ -148,7 +148,7 @@ def _wrong(path: str, value: Any, valid: str) -> MessageError:
 
 
 def shown(value: Any) -> str:
-    """Describe a JSON value in a few characters, however large it is."""
+    """Describe a JSON value in a few characters, even a large one."""
     if isinstance(value, (dict, list)):
         return f"{'an object' if isinstance(value, dict) else 'a list'} with {len(value)} values"
     if isinstance(value, int) and value.bit_length() > 200:

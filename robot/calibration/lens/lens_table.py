@@ -15,16 +15,16 @@ from robot.description.urdf import SpecError
 from robot.geometry import Array
 
 LARGEST = 1e6
-"""Larger numbers are no lens's."""
+"""No lens has a larger number."""
 
 
 @dataclass(frozen=True)
 class MeasuredLens:
-    """A lens, and how exactly it is known."""
+    """A lens with its uncertainty."""
 
     lens: Lens = field(repr=False)
     sd: Array = field(repr=False)
-    """(p,) standard deviations of what ``parameters`` lists; nan where they are not known."""
+    """(p,) standard deviations in the order of ``parameters``; nan if unknown."""
 
     @classmethod
     def of(cls, lens: Lens, sd: Array | None = None) -> MeasuredLens:
@@ -32,7 +32,7 @@ class MeasuredLens:
         return cls(lens, np.full(len(parameters(lens)), np.nan) if sd is None else sd)
 
     def applied_to(self, spec: RobotSpec) -> RobotSpec:
-        """Return a robot's description with this lens; its readout stays.
+        """Return a robot's description with this lens; the readout time stays the same.
 
         Raises:
             SpecError: the lens is for pictures of another size.
