@@ -1,4 +1,4 @@
-"""Beam model: a scan fits a pose when its rays, cast there, are as long."""
+"""Beam model: a scan fits a pose if rays cast from there have the same lengths."""
 
 from __future__ import annotations
 
@@ -14,22 +14,23 @@ from robot.localization.kernels.beam_sums import beam_log_likelihoods
 from robot.scan import Scan, evenly
 
 NEAR, FAR = 0.02, 0.08
-"""An edge so close to where a ray's sight begins, or ends, may be missed [m]: tape must be seen
-whole, and its far edge is 50 mm behind, more for a ray that meets it aslant."""
+"""An edge closer than this to the begin or the end of a ray's sight [m] may be missed, because the
+scanner must see the whole tape. Its far edge is 50 mm behind, or more if the ray crosses at a
+slant."""
 
 
 @dataclass(frozen=True)
 class Beam:
-    """Beam range finder model (Probabilistic Robotics, Table 6.1), rays cast at the exact edges.
+    """Beam range finder model (Probabilistic Robotics, Table 6.1), with rays cast at exact edges.
 
     p = z_hit N(z; z*, sigma_hit) + z_short lambda_short exp(-lambda_short z) [z <= z*] +
-    z_max [no return] + z_rand / range_max. Unlike the field it knows that an edge hides what lies
-    behind it, and that a ray that should have returned did not: that is z_max against one where
-    no edge is in sight.
+    z_max [no return] + z_rand / range_max. Unlike the likelihood field, it knows that an edge hides
+    what lies behind it. It also counts a ray without a return: its p is z_max where an edge should
+    be in sight, and one where none is.
     """
 
     edges: EdgeIndex = field(repr=False)
-    """Of the field."""
+    """The field's edges."""
     sigma_hit: float
     """[m]"""
     z_hit: float
@@ -43,7 +44,7 @@ class Beam:
     max_beams: int
 
     def log_likelihood(self, poses: Array, scan: Scan) -> Array:
-        """Log-likelihood (n,) of a scan at poses (n, 3), up to a constant."""
+        """Return the log-likelihood (n,) of a scan at poses (n, 3), up to a constant."""
         sd = math.hypot(self.sigma_hit, scan.extra_sd)
         centre = np.array([scan.robot_from_scan.x, scan.robot_from_scan.y])
         return beam_log_likelihoods(
@@ -59,18 +60,19 @@ class Beam:
         )
 
     def count_rays(self, poses: Array, scan: Scan) -> int:
-        """How many rays the log-likelihood is the sum of: also those that did not return."""
+        """Return how many rays the log-likelihood is the sum of; rays without a return count."""
         return len(self._rays(scan))
 
     def counted(self, scan: Scan) -> NDArray[np.intp]:
-        """Indices of the rays that the log-likelihood is the sum of."""
+        """Return the indices of the rays that the log-likelihood is the sum of."""
         return evenly(len(scan.ranges), self.max_beams)
 
     def _rays(self, scan: Scan) -> Array:
-        """What of the rays (k, 7) is the same for all poses.
+        """Return what does not depend on the pose (k, 7), for each ray.
 
-        Direction in the robot frame (2), range, p of a range cut short, where sight begins, and
-        from where to where an edge is surely seen: before anything that may hide one.
+        The columns are: direction in the robot frame (2), range, p of a range that was cut short,
+        where sight begins, and from where to where an edge is surely seen. That ends before
+        anything that may hide an edge.
         """
         used = self.counted(scan)
         rays = np.empty((len(used), 7))
@@ -85,5 +87,5 @@ class Beam:
             rays[:, 4:] = np.column_stack([near, near + NEAR, surely])
         if scan.hidden is not None:
             rays[:, 6] = np.minimum(rays[:, 6], scan.hidden[used, 0] - NEAR)
-        # A ray that sees nothing anywhere has no opinion.
+        # A ray that is out of sight says nothing.
         return rays[~np.isnan(rays[:, 4])]

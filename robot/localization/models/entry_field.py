@@ -1,11 +1,11 @@
-"""How far is it to the nearest edge that a ray could meet: a look-up table over the field.
+"""A table of the distance to the nearest edge that a ray can meet, over the whole field.
 
-A ray ends where it enters tape, so it only meets edges that face it. For each of eight directions
+A ray ends where it enters tape, so it only meets edges that face it. For each of eight directions,
 the table holds the distance to the nearest edge that a ray in about this direction can meet from
-the light side. Close to an edge the distance has a sign (negative on the tape's side): then it is
-linear across the edge and bilinear interpolation is exact there, at a cell size much coarser than
-the accuracy that is wanted. Where the sign ends the table jumps; who looks it up takes the values
-of such a cell without their sign.
+the light side. Close to an edge, the distance has a sign, which is negative on the tape's side. So
+it is linear across the edge, and bilinear interpolation is exact there, even with cells that are
+much larger than the desired accuracy. The table jumps where the sign ends; a look-up there takes
+absolute values.
 """
 
 from __future__ import annotations
@@ -25,15 +25,15 @@ from robot.geometry import Array, heading_vectors
 from robot.localization.kernels.entry_planes import DIRECTIONS, planes
 
 SAMPLE_M = 0.002
-"""Distance of the points that stand for an edge [m]; farther apart where cells are larger."""
+"""Distance between the points that represent an edge [m]; larger for larger cells."""
 SIGNED_CELLS = 2.0
 """The distance has a sign up to this many cells from an edge; farther away it would jump."""
 MOST_CELLS = 500_000
 """Largest table for one direction; fields that would need more get coarser cells."""
 THREADS = 2
-"""Directions worked out at a time; each takes up to 40 MB meanwhile."""
+"""Directions computed at the same time; each needs up to 40 MB."""
 KEPT = 2
-"""Tables that are kept: up to 32 MB each, but 0.2 s to make."""
+"""Tables kept in memory: up to 32 MB each, which saves 0.2 s."""
 
 
 @dataclass(frozen=True)
@@ -47,24 +47,24 @@ class EntryField:
     resolution: float
     """[m]"""
     max_distance: float
-    """What is farther from an edge than this counts as this far [m]."""
+    """Largest distance in the table [m]; all larger ones count as this."""
     wanted_resolution: float
-    """The resolution asked for; a large field gets a coarser one [m]."""
+    """The requested resolution [m]; a large field gets a coarser one."""
 
     @cached_property
     def planes(self) -> NDArray[np.int32]:
-        """The same distances as words (DIRECTIONS, h, w), quick to look up (``entry_planes``)."""
+        """The distances as words (DIRECTIONS, h, w) for fast look-ups (``entry_planes``)."""
         return planes(self.distances, self.resolution, self.max_distance)
 
     @classmethod
     def build(cls, taped: Field, *, resolution: float, max_distance: float) -> EntryField:
-        """The table of a field; the last few are kept, for the next run on the same field."""
+        """Return the table of a field; the last few are kept for the next run on the same field."""
         return _built(taped.edges.astype(np.float64).tobytes(), resolution, max_distance)
 
 
 @lru_cache(maxsize=KEPT)
 def _built(edges_as_bytes: bytes, resolution: float, max_distance: float) -> EntryField:
-    """Work out the table of edges (n, 4)."""
+    """Compute the table of edges (n, 4)."""
     edges = np.frombuffer(edges_as_bytes).reshape(-1, 4)
     low = edges.reshape(-1, 2).min(axis=0) - max_distance
     high = edges.reshape(-1, 2).max(axis=0) + max_distance
@@ -76,8 +76,8 @@ def _built(edges_as_bytes: bytes, resolution: float, max_distance: float) -> Ent
     y = low[1] + cell * np.arange(height)
     cells = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
     turns = heading_vectors(np.linspace(0.0, 2 * math.pi, DIRECTIONS, endpoint=False))
-    # A ray may be half a step off the direction it is counted to, and meet edges that lie
-    # along that direction; without them one ray in thirty would find no edge at the truth.
+    # A ray may be half a step off its direction in the table, and so meet edges that lie along
+    # that direction. Without these, one ray in thirty would find no edge at the true pose.
     grazing = math.sin(math.pi / DIRECTIONS)
 
     def toward(turn: Array) -> NDArray[np.float32]:
@@ -88,7 +88,7 @@ def _built(edges_as_bytes: bytes, resolution: float, max_distance: float) -> Ent
         signed = _distances(cells, tree, normals[facing], max_distance, cell, step)
         return signed.reshape(height, width).astype(np.float32)
 
-    # Not by the tree's own threads: they go on after an interruption, and read freed memory.
+    # The tree's own threads continue after an interruption, and read freed memory.
     with ThreadPoolExecutor(THREADS) as threads:
         table = np.stack(list(threads.map(toward, turns)))
     return EntryField(table, (float(low[0]), float(low[1])), cell, max_distance, resolution)
@@ -97,7 +97,7 @@ def _built(edges_as_bytes: bytes, resolution: float, max_distance: float) -> Ent
 def _distances(
     cells: Array, tree: cKDTree, normals: Array, max_distance: float, cell: float, step: float
 ) -> Array:
-    """Distance [m] of cells (c, 2) from edges given as points in a tree, with normals (p, 2)."""
+    """Return distances [m] of cells (c, 2) from edges: points in a tree, with normals (p, 2)."""
     _, index = tree.query(cells, distance_upper_bound=max_distance)
     nearest = np.asarray(index)
     results = nearest < tree.n
@@ -105,7 +105,7 @@ def _distances(
     normal = normals[nearest[results]]
     across = (away * normal).sum(axis=1)
     along = np.abs(away[:, 0] * normal[:, 1] - away[:, 1] * normal[:, 0])
-    # A point stands for the piece of edge half a step to either side.
+    # A point represents the piece of edge up to half a step on either side.
     past_end = np.maximum(along - step / 2, 0.0)
     exact = np.hypot(across, past_end)
     near = exact < SIGNED_CELLS * cell

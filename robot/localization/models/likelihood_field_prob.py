@@ -1,4 +1,4 @@
-"""Likelihood field with beam skipping: what hardly any particle can explain is no evidence."""
+"""Likelihood field with beam skipping: rays that hardly any particle explains do not count."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ from robot.localization.models.likelihood_field import LikelihoodField
 from robot.scan import Scan, evenly
 
 ASKED = 500
-"""So many particles, evenly chosen, tell a share to two per cent."""
+"""Particles by which a share is estimated, to two per cent; they are chosen evenly."""
 
 
 @dataclass(frozen=True)
 class LikelihoodFieldProb:
-    """Likelihood field (Table 6.3) that skips rays, as nav2's model of this name does.
+    """Likelihood field (Table 6.3) that skips rays, like nav2's model of the same name.
 
-    A ray agrees with a particle if it ends less than ``skip_distance`` from an edge. Rays that
-    agree with no more than a share ``skip_threshold`` of the particles are skipped: something
-    stands there that is not in the map. If that is a share ``skip_error_threshold`` of the rays or
-    more, the particles themselves are wrong, and all rays count. Nothing is skipped either while
-    the cloud is wider than the distance, as then good rays agree with few (nav2: while it has not
-    converged).
+    A ray agrees with a particle if it ends less than ``skip_distance`` from an edge. If it agrees
+    with at most a share ``skip_threshold`` of the particles, it is skipped, because something
+    stands there that is not in the map. If a share ``skip_error_threshold`` of the rays would be
+    skipped, the particles are wrong, and all rays count. While the cloud is wider than
+    ``skip_distance``, no ray is skipped, because good rays agree with few particles then (nav2:
+    while the filter has not converged).
     """
 
     plain: LikelihoodField
@@ -38,11 +38,11 @@ class LikelihoodFieldProb:
     skip_error_threshold: float
 
     def log_likelihood(self, poses: Array, scan: Scan) -> Array:
-        """Log-likelihood (n,) of a scan at poses (n, 3), up to a constant."""
+        """Return the log-likelihood (n,) of a scan at poses (n, 3), up to a constant."""
         return self.plain.log_likelihood(poses, self.without_skipped(poses, scan))
 
     def count_rays(self, poses: Array, scan: Scan) -> int:
-        """How many rays the log-likelihood is the sum of: those that are not skipped."""
+        """Return how many rays the log-likelihood is the sum of; skipped rays do not count."""
         return self.plain.count_rays(poses, self.without_skipped(poses, scan))
 
     def without_skipped(self, poses: Array, scan: Scan) -> Scan:
@@ -57,11 +57,11 @@ class LikelihoodFieldProb:
         kept = self._agreeing(poses, points, scan) > self.skip_threshold
         if np.mean(~kept) >= self.skip_error_threshold:
             return scan
-        # A ray without a return is no evidence to a likelihood field.
+        # A likelihood field ignores rays without a return.
         return replace(scan, ranges=np.where(kept, scan.ranges, np.inf))
 
     def _agreeing(self, poses: Array, points: Array, scan: Scan) -> Array:
-        """Which share (k,) of the poses each ray's end agrees with."""
+        """Return the share (k,) of the poses that each ray agrees with."""
         directions = scan.robot_from_scan.theta + scan.bearings
         field = self.plain.field
         return _agreeing(
@@ -76,7 +76,7 @@ class LikelihoodFieldProb:
 
 
 def _width(poses: Array, points: Array) -> float:
-    """How far apart particles put the end of a ray [m], as a standard deviation."""
+    """Return the standard deviation of a typical ray's end over the particles [m]."""
     toward = heading_vectors(poses[:, 2])
     middle = heading_angles(toward.mean(axis=0))
     turned = np.sqrt(np.mean(np.square(2 * np.sin((poses[:, 2] - middle) / 2))))
@@ -110,9 +110,9 @@ def _agreeing(
 def _distance(
     u: float, v: float, turn: float, distances: NDArray[np.float32], jump: float
 ) -> float:
-    """How far a place on the table (in cells) lies from an edge that a ray there can meet [m].
+    """Return the distance [m] from a place (in cells) to an edge that a ray there can meet.
 
-    +inf off the table.
+    It is +inf outside the table.
     """
     directions, height, width = distances.shape
     if not (0.0 <= u < width - 1.0 and 0.0 <= v < height - 1.0):
@@ -122,7 +122,7 @@ def _distance(
     du, dv = u - column, v - row
     near, far = distances[facing, row], distances[facing, row + 1]
     d00, d01, d10, d11 = near[column], near[column + 1], far[column], far[column + 1]
-    # Corners that differ by more than the way between them are no edge: there the sign ends.
+    # If corners differ by more than their distance, no edge is between them: the sign ends there.
     if max(d00, d01, d10, d11) - min(d00, d01, d10, d11) > jump:
         d00, d01, d10, d11 = abs(d00), abs(d01), abs(d10), abs(d11)
     return float(abs((1 - dv) * ((1 - du) * d00 + du * d01) + dv * ((1 - du) * d10 + du * d11)))

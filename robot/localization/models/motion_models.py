@@ -1,7 +1,7 @@
-"""Motion models: where may a robot be that was here and moved so? And their parameters.
+"""Motion models: where a robot may be after a step by odometry; and their parameters.
 
-A motion model is a frozen dataclass with ``sample`` and ``moments``; a student's own is the same
-thing. The parameters have nav2_amcl's names; those of the book's other models are added.
+A motion model is a frozen dataclass with ``sample`` and ``moments``; a student's own model is used
+in the same way. The parameters have nav2_amcl's names; the book's other models add more.
 """
 
 from __future__ import annotations
@@ -34,10 +34,10 @@ __all__ = [
 
 
 class MotionModel(Protocol):
-    """What any motion model offers."""
+    """The interface of a motion model."""
 
     def sample(self, poses: Array, moved: Pose2, rng: np.random.Generator) -> Array:
-        """Draw where each particle went.
+        """Draw the pose of each particle after a step.
 
         Args:
             poses: (n, 3) particles [m, m, rad].
@@ -50,10 +50,10 @@ class MotionModel(Protocol):
         ...
 
     def moments(self, moved: Pose2) -> tuple[Pose2, Array]:
-        """Mean and covariance (3, 3) [m, m, rad] of where a step ends, seen from its start.
+        """Return mean and covariance (3, 3) [m, m, rad] of a step's end, seen from its start.
 
-        For filters without particles: those of ``sample`` to first order, in closed form; a model
-        without one may return ``sampled_moments``.
+        Filters without particles need them. They are the moments of ``sample`` to first order, in
+        closed form; a model without a closed form may return ``sampled_moments``.
 
         Args:
             moved: the step by odometry, seen from its start.
@@ -65,9 +65,9 @@ Sample = Callable[[Array, Pose2, np.random.Generator], Array]
 
 
 def sampled_moments(sample: Sample, moved: Pose2, count: int = 1000) -> tuple[Pose2, Array]:
-    """Mean and covariance (3, 3) [m, m, rad] of where a step ends, seen from its start, by draws.
+    """Return mean and covariance (3, 3) [m, m, rad] of a step's end, seen from its start, by draws.
 
-    Always the same draws, so the same step has the same covariance.
+    The draws are always the same, so a step always has the same covariance.
     """
     ends = sample(np.zeros((count, 3)), moved, np.random.default_rng(0))
     even = np.full(count, 1.0 / count)
@@ -77,13 +77,13 @@ def sampled_moments(sample: Sample, moved: Pose2, count: int = 1000) -> tuple[Po
 
 @dataclass(frozen=True, slots=True)
 class LoosenedMotion:
-    """Another model, with all its standard deviations multiplied by a factor."""
+    """A model with the standard deviations of another, multiplied by a factor."""
 
     model: MotionModel
     factor: float
 
     def sample(self, poses: Array, moved: Pose2, rng: np.random.Generator) -> Array:
-        """Draw where each particle (n, 3) went."""
+        """Draw the pose of each particle (n, 3) after a step."""
         drawn = self.model.sample(poses, moved, rng)
         mean = compose(poses, self.model.moments(moved)[0].to_array())
         away = drawn - mean
@@ -93,7 +93,7 @@ class LoosenedMotion:
         return loosened
 
     def moments(self, moved: Pose2) -> tuple[Pose2, Array]:
-        """Mean and covariance (3, 3) of where a step ends."""
+        """Return mean and covariance (3, 3) of a step's end."""
         mean, covariance = self.model.moments(moved)
         return mean, covariance * self.factor**2
 
@@ -108,7 +108,7 @@ MOTION_MODELS = ("differential", "omni", "velocity", "stationary")
 
 @dataclass(frozen=True)
 class MotionParameters:
-    """How odometry errs."""
+    """Parameters of the motion models: how odometry errs."""
 
     robot_model_type: str = setting(
         "differential", "How a step by odometry spreads the cloud", choices=MOTION_MODELS
@@ -159,7 +159,7 @@ class MotionParameters:
         check_settings(self)
 
     def model(self) -> MotionModel:
-        """The chosen model with these parameters."""
+        """Return the chosen model with these parameters."""
         match self.robot_model_type:
             case "differential":
                 return DifferentialMotion(self.alpha1, self.alpha2, self.alpha3, self.alpha4)

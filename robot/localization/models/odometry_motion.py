@@ -14,27 +14,28 @@ from robot.localization.kernels.steps import noisy_step
 
 
 class Legs(NamedTuple):
-    """A step seen from its start, or the standard deviations of its parts."""
+    """The parts of a step, or their standard deviations."""
 
     turn: float
-    """First, toward where it goes [rad]."""
+    """First turn, toward the end of the step [rad]."""
     ahead: float
-    """Then so far [m]."""
+    """Distance ahead [m]."""
     aside: float
-    """And so far to the left [m]."""
+    """Distance to the left [m]."""
     last: float
-    """Then once more [rad]."""
+    """Last turn [rad]."""
 
 
 def sample_legs(poses: Array, legs: Legs, deviations: Legs, rng: np.random.Generator) -> Array:
-    """Where poses (n, 3) get to when each part errs by itself, by a normal distribution."""
+    """Draw the ends of a step from poses (n, 3); each part has an independent normal error."""
     return noisy_step(poses, (*legs,), (*deviations,), noise_key(rng))
 
 
 def spread_of(legs: Legs, covariance: Array) -> Array:
-    """Covariance (3, 3) [m, m, rad] of a step's end, seen from its start, for small errors.
+    """Return the covariance (3, 3) [m, m, rad] of a step's end, seen from its start.
 
-    J C J^T, with the covariance C (4, 4) of the parts and J what the end moves by with each.
+    For small errors it is J C J^T, with the covariance C (4, 4) of the parts and the Jacobian J of
+    the end by the parts.
     """
     c, s = math.cos(legs.turn), math.sin(legs.turn)
     x, y = c * legs.ahead - s * legs.aside, s * legs.ahead + c * legs.aside
@@ -44,16 +45,16 @@ def spread_of(legs: Legs, covariance: Array) -> Array:
 
 
 STANDING_M = 5e-4
-"""Below this the direction of a step [m] is the encoders' rounding, not a direction."""
+"""The direction of a shorter step [m] is only the rounding of the encoders."""
 
 
 @dataclass(frozen=True, slots=True)
 class DifferentialMotion:
     """Odometry motion model (Probabilistic Robotics, Table 5.6; nav2's DifferentialMotionModel).
 
-    The step is a turn, a straight, and a turn. As in nav2 the alphas are variances: the variance
-    of a turn is alpha1 turn^2 + alpha2 distance^2, that of the distance alpha3 distance^2 +
-    alpha4 (turn1^2 + turn2^2).
+    The step is a turn, a straight, and a turn. As in nav2, the alphas are variances. The variance
+    of a turn is alpha1 turn^2 + alpha2 distance^2; the variance of the distance is
+    alpha3 distance^2 + alpha4 (turn1^2 + turn2^2).
     """
 
     alpha1: float
@@ -66,12 +67,12 @@ class DifferentialMotion:
     """Variance of the distance by turn squared [m^2/rad^2]."""
 
     def sample(self, poses: Array, moved: Pose2, rng: np.random.Generator) -> Array:
-        """Draw where each particle went."""
+        """Draw the pose of each particle after the step."""
         legs = _legs(moved)
         return sample_legs(poses, legs, self._deviations(legs), rng)
 
     def moments(self, moved: Pose2) -> tuple[Pose2, Array]:
-        """Mean and covariance (3, 3) [m, m, rad] of where the step ends, seen from its start."""
+        """Return mean and covariance (3, 3) [m, m, rad] of the step's end, seen from its start."""
         legs = _legs(moved)
         return moved, spread_of(legs, np.diag(np.square(self._deviations(legs))))
 
@@ -89,7 +90,7 @@ class DifferentialMotion:
 
 def _legs(moved: Pose2) -> Legs:
     distance = math.hypot(moved.x, moved.y)
-    # Turning on the spot has no direction of travel: the step is taken as it is, then a turn.
+    # A turn on the spot has no direction of travel: the small shift comes first, then the turn.
     if distance <= STANDING_M:
         return Legs(0.0, moved.x, moved.y, moved.theta)
     turn = math.atan2(moved.y, moved.x)
@@ -97,7 +98,7 @@ def _legs(moved: Pose2) -> Legs:
 
 
 def _either_way(turn: float) -> float:
-    """The smaller turn, forward or in reverse: driving backwards is not a half turn."""
+    """Return the smaller turn, forward or in reverse: driving backwards is not a half turn."""
     return min(abs(turn), abs(wrap_angle(turn + math.pi)))
 
 
@@ -105,9 +106,9 @@ def _either_way(turn: float) -> float:
 class OmniMotion:
     """Odometry motion model for holonomic robots (nav2's OmniMotionModel).
 
-    The step goes straight to where it ends, whatever the heading. It errs along its way by
-    alpha3 distance^2 + alpha4 turn^2, across it by alpha5 distance^2 + alpha4 turn^2, and in
-    heading by alpha1 turn^2 + alpha2 distance^2, all variances.
+    The step goes straight to its end, with any heading. The variances are
+    alpha3 distance^2 + alpha4 turn^2 along the step, alpha5 distance^2 + alpha4 turn^2 across it,
+    and alpha1 turn^2 + alpha2 distance^2 in heading.
     """
 
     alpha1: float
@@ -122,11 +123,11 @@ class OmniMotion:
     """Variance across the way by distance squared [m^2/m^2]."""
 
     def sample(self, poses: Array, moved: Pose2, rng: np.random.Generator) -> Array:
-        """Draw where each particle went."""
+        """Draw the pose of each particle after the step."""
         return sample_legs(poses, _straight_way(moved), self._deviations(moved), rng)
 
     def moments(self, moved: Pose2) -> tuple[Pose2, Array]:
-        """Mean and covariance (3, 3) [m, m, rad] of where the step ends, seen from its start."""
+        """Return mean and covariance (3, 3) [m, m, rad] of the step's end, seen from its start."""
         return moved, spread_of(_straight_way(moved), np.diag(np.square(self._deviations(moved))))
 
     def _deviations(self, moved: Pose2) -> Legs:
@@ -149,19 +150,19 @@ def _straight_way(moved: Pose2) -> Legs:
 class StationaryMotion:
     """Ignores odometry and spreads the particles a little: the simplest model, for comparison.
 
-    Also what is left for a robot without wheel sensors that moves slowly.
+    It is also the only one for a robot without wheel sensors; that must move slowly.
     """
 
     sd_xy: float
-    """[m] a step"""
+    """Standard deviation of the place in a step [m]."""
     sd_theta: float
-    """[rad] a step"""
+    """Standard deviation of the heading in a step [rad]."""
 
     def sample(self, poses: Array, moved: Pose2, rng: np.random.Generator) -> Array:
-        """Spread the particles where they are."""
+        """Spread the particles about their poses."""
         spread = Legs(0.0, self.sd_xy, self.sd_xy, self.sd_theta)
         return sample_legs(poses, Legs(0.0, 0.0, 0.0, 0.0), spread, rng)
 
     def moments(self, moved: Pose2) -> tuple[Pose2, Array]:
-        """Mean and covariance (3, 3) [m, m, rad] of where the step ends: where it starts."""
+        """Return mean and covariance (3, 3) [m, m, rad] of the step's end: about its start."""
         return Pose2(), np.diag(np.square([self.sd_xy, self.sd_xy, self.sd_theta]))

@@ -1,8 +1,8 @@
-"""Sensor models: how well does a scan fit a pose? And their parameters.
+"""Sensor models: how well a scan fits a pose; and their parameters.
 
-A sensor model has ``log_likelihood``; a student's own is the same thing. What depends on the scan
-alone is done once, before the work that is done for each particle. The parameters have nav2_amcl's
-names; what a camera adds has others.
+A sensor model has the method ``log_likelihood``; a student's own model is used in the same way.
+Work that depends on the scan alone is done once, before the work for each particle. The parameters
+have nav2_amcl's names; only those that a camera needs have names of their own.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ SENSOR_MODELS = ("likelihood_field", "likelihood_field_prob", "beam")
 
 @dataclass(frozen=True)
 class SensorParameters:
-    """How the scan errs."""
+    """Parameters of the sensor models: how scans err."""
 
     laser_model_type: str = setting(
         "likelihood_field", "How well a scan fits a pose", choices=SENSOR_MODELS
@@ -93,26 +93,26 @@ class SensorParameters:
 
 
 class SensorModel(Protocol):
-    """What any sensor model offers."""
+    """The interface of a sensor model."""
 
     def log_likelihood(self, poses: Array, scan: Scan) -> Array:
-        """Log-likelihood (n,) of a scan at poses (n, 3), up to a constant."""
+        """Return the log-likelihood (n,) of a scan at poses (n, 3), up to a constant."""
         ...
 
 
 @runtime_checkable
 class RayCounting(Protocol):
-    """What a sensor model may offer besides; those that come with the program do."""
+    """An optional part of a sensor model; the built-in models have it."""
 
     def count_rays(self, poses: Array, scan: Scan) -> int:
-        """How many rays of a scan the log-likelihood at poses (n, 3) is the sum of."""
+        """Return how many rays the log-likelihood at poses (n, 3) is the sum of."""
         ...
 
 
 def count_rays(model: SensorModel, poses: Array, scan: Scan) -> int:
-    """How many rays of a scan a model's log-likelihood at poses (n, 3) is the sum of.
+    """Return how many rays a model's log-likelihood at poses (n, 3) is the sum of.
 
-    One that does not say, as a user's own, is taken to count all that returned.
+    If the model does not say, such as a user's own, these are all rays that returned.
     """
     if isinstance(model, RayCounting):
         return model.count_rays(poses, scan)
@@ -120,7 +120,7 @@ def count_rays(model: SensorModel, poses: Array, scan: Scan) -> int:
 
 
 def sensor_model(parameters: SensorParameters, entries: EntryField, edges: Array) -> SensorModel:
-    """The model that the parameters ask for."""
+    """Return the model that the parameters choose."""
     field = LikelihoodField(
         entries,
         parameters.sigma_hit,

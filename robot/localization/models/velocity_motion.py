@@ -18,8 +18,8 @@ class VelocityMotion:
 
     v, omega and the final rotation gamma err with variances alpha1 v^2 + alpha2 omega^2,
     alpha3 v^2 + alpha4 omega^2 and alpha5 v^2 + alpha6 omega^2. All are multiplied by the duration
-    of the step, which cancels: here v is the way along the arc and omega its turn. What of a step
-    by odometry is no arc is kept as it is.
+    of the step, which cancels: here v is the distance along the arc, and omega its turn. The part
+    of a step by odometry that is not an arc has no error.
     """
 
     alpha1: float
@@ -36,26 +36,26 @@ class VelocityMotion:
     """Variance of gamma by omega squared [rad^2/rad^2]."""
 
     def sample(self, poses: Array, moved: Pose2, rng: np.random.Generator) -> Array:
-        """Draw where each particle went."""
+        """Draw the pose of each particle after the step."""
         v, aside = _arc(moved)
         noise = rng.standard_normal((3, len(poses)))
         v_hat, omega_hat, gamma_hat = (
             np.array([[v], [moved.theta], [0.0]])
             + self._deviations(v, moved.theta)[:, None] * noise
         )
-        # An arc is half of its turn, its chord, and the other half.
+        # An arc is half of its turn, its chord, and the other half of its turn.
         half = omega_hat / 2
         chord = v_hat * np.sinc(half / math.pi)
         return turn_go_turn(poses, half, chord, np.full(len(poses), aside), half + gamma_hat)
 
     def moments(self, moved: Pose2) -> tuple[Pose2, Array]:
-        """Mean and covariance (3, 3) [m, m, rad] of where the step ends, seen from its start."""
+        """Return mean and covariance (3, 3) [m, m, rad] of the step's end, seen from its start."""
         v, aside = _arc(moved)
         half = moved.theta / 2
         sinc = float(np.sinc(half / math.pi))
-        # What the chord grows by with the half turn; near zero by its Taylor series.
+        # Derivative of the chord by the half turn; near zero by its Taylor series.
         grows = -half / 3 if abs(half) < 1e-4 else (math.cos(half) - sinc) / half
-        # Turn, chord, way aside and last turn by v, omega and gamma.
+        # Jacobian of turn, chord, distance aside and last turn by v, omega and gamma.
         G = np.array([[0, 0.5, 0], [sinc, v * grows / 2, 0], [0, 0, 0], [0, 0.5, 1]])
         variances = np.diag(np.square(self._deviations(v, moved.theta)))
         return moved, spread_of(Legs(half, v * sinc, aside, half), G @ variances @ G.T)
@@ -71,6 +71,6 @@ class VelocityMotion:
 
 
 def _arc(moved: Pose2) -> tuple[float, float]:
-    """The way [m] along the arc of the step's turn, and how far to its left [m] the step ends."""
+    """Return the distance along the arc of the step, and the end's distance to its left [m]."""
     ahead, aside = Pose2(theta=-moved.theta / 2).apply(np.array([[moved.x, moved.y]]))[0]
     return float(ahead / np.sinc(moved.theta / 2 / math.pi)), float(aside)
