@@ -1,4 +1,4 @@
-"""The likelihood landscape: how well a scan fits all over the field, and in all directions."""
+"""The likelihood landscape: how well a scan fits all over the field, and at all headings."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ from robot.geometry import Array
 from robot.localization.weighing import Weighing
 
 STEPS = (0.005, 0.01, 0.02, 0.04, 0.08, 0.16, 0.32, 0.64)
-"""Sides of the cells that are tried [m]."""
+"""Sides of cells to choose from [m]."""
 MOST_CELLS = 90_000
 BUDGET_S = 0.5
-"""Longest time for a landscape; one that would take longer gets larger cells."""
+"""Longest time for a landscape [s]; if one would take longer, its cells are larger."""
 PIECE = 4096
-"""Poses that are asked for at once: a user's own model may need memory for each ray of each."""
+"""Poses weighed at the same time: a user's own model may need memory for each ray of each pose."""
 HEADINGS = 360
 
 
 @dataclass(frozen=True, slots=True)
 class Landscape:
-    """Log-weights of a scan in the cells of the field, at a heading."""
+    """Log-weights of a scan in the cells of the field, at one heading."""
 
     origin: tuple[float, float]
     """x, y of the middle of the first cell [m]."""
@@ -33,11 +33,11 @@ class Landscape:
     """Side of a cell [m]."""
     theta: float
     logs: Array = field(repr=False)
-    """(rows, columns), by y and x; the log of the weight that a particle there would get."""
+    """(rows, columns), by y and x: the log of the weight that a particle there would get."""
 
 
 def landscape(weighing: Weighing, extent: Extent, theta: float) -> Landscape:
-    """Weigh all of an area at a heading, in cells as fine as ``BUDGET_S`` allows."""
+    """Weigh an area at one heading, in cells as fine as ``BUDGET_S`` allows."""
     xmin, ymin, xmax, ymax = extent
     area = (xmax - xmin) * (ymax - ymin)
     most = min(MOST_CELLS, BUDGET_S / max(_seconds(weighing, extent, theta), 1e-9))
@@ -52,14 +52,14 @@ def landscape(weighing: Weighing, extent: Extent, theta: float) -> Landscape:
 
 
 def by_heading(weighing: Weighing, x: float, y: float) -> tuple[Array, Array]:
-    """Headings (k,) [rad] all round at a place, and the log of the weight (k,) at each."""
+    """Return headings (k,) [rad] of a full turn at a place, and the log-weight (k,) at each."""
     thetas = np.linspace(-math.pi, math.pi, HEADINGS, endpoint=False)
     poses = np.column_stack([np.full(HEADINGS, x), np.full(HEADINGS, y), thetas])
     return thetas, weighing.power * weighing.log_likelihoods(poses)
 
 
 def _seconds(weighing: Weighing, extent: Extent, theta: float) -> float:
-    """Time that one pose takes [s], by some of them."""
+    """Return the time that one pose takes [s], measured with a few poses."""
     xmin, ymin, xmax, ymax = extent
     tried = np.random.default_rng(0).uniform((xmin, ymin, theta), (xmax, ymax, theta), (256, 3))
     began = time.perf_counter()

@@ -21,26 +21,26 @@ from robot.localization.particles.resampling import effective_sample_size, low_v
 from robot.scan import Scan
 
 SHOWN = 4000
-"""Boxes shown, at most."""
+"""Most boxes that are displayed."""
 LEAST = 1e-4
-"""A box with less than this share of the heaviest one's probability is given up."""
+"""A box with less than this share of the heaviest box's probability is dropped."""
 LEAST_CLUSTERED = 0.01
 """Boxes below this share of the heaviest do not join two hypotheses."""
 RANDOM_PLACES = 200_000
-"""Random places on the field that show how much of each box is free."""
+"""Random places on the field, by which the free share of each box is estimated."""
 MOVED = 0.25
-"""Share of the affordable boxes that may be moved: it takes longer than weighing them."""
+"""Share of the affordable boxes that may be moved, because moving takes longer than weighing."""
 
 
 class GridFilter:
-    """Keeps the probability of each box of poses that matters.
+    """Keeps the probability of each box of poses that is not negligible.
 
     A box is weighed as a pose in its middle, with ranges blurred by its size. The boxes are as
-    small as can be afforded: while many matter they are coarse, and when few are left they are cut
-    into eight. So it is right to a fraction of the finest (root mean square, measured on the
-    simulated robot: 0.36 mm with the default, 1.7 mm with boxes of 5 mm and 0.7 degrees, 9.7 mm
-    with 20 mm and 2.8 degrees), and yet starts all over the field. What is given up never comes
-    back: a robot that was carried off is lost until the filter is scattered.
+    small as can be afforded: they are coarse while there are many, and are cut into eight when few
+    are left. So the filter can start all over the field, and its error is still a fraction of the
+    finest box. On the simulated robot it is 0.36 mm (root mean square) with the default, 1.7 mm
+    with boxes of 5 mm and 0.7 degrees, and 9.7 mm with 20 mm and 2.8 degrees. A dropped box never
+    comes back: a robot that was carried off is lost until the filter is scattered.
     """
 
     def __init__(
@@ -58,14 +58,14 @@ class GridFilter:
         """Start around the field's start.
 
         Args:
-            motion: how a step by odometry errs; only its covariance is asked for.
+            motion: how a step by odometry errs; only its covariance is used.
             sensor: how well a scan fits a pose.
             field: where the robot may be.
             covariance: (3, 3) [m, m, rad] of the start.
             likelihood_weight: share of the log-likelihood that counts.
             finest_xy: side of the finest boxes [m].
-            finest_theta: their width in heading [rad]; the full turn is cut into a power of two.
-            most_cells: boxes that can be afforded for a scan.
+            finest_theta: their width in heading [rad]; a full turn has a power of two of them.
+            most_cells: most boxes that are weighed by a scan.
         """
         self.motion = motion
         self.looseness = 1.0
@@ -78,14 +78,14 @@ class GridFilter:
         self._found: tuple[Hypothesis, ...] | None = None
         self._grid: PoseGrid
         self._moved: Pose2
-        """Steps that the boxes have not taken yet."""
+        """The steps since the boxes were last moved."""
         self._noise: Array
-        """Covariance (3, 3) of their end."""
+        """Covariance (3, 3) of the end of these steps."""
         self.set_pose(field.start, covariance)
 
     @classmethod
     def of(cls, setup: Setup) -> GridFilter:
-        """With the models and parameters of a setup."""
+        """Return a filter with the models and parameters of a setup."""
         return cls(
             setup.motion,
             setup.sensor,
@@ -96,14 +96,14 @@ class GridFilter:
 
     @property
     def standing(self) -> Standing:
-        """It does not look for other places."""
+        """Always confirmed: this filter does not search for other places."""
         return Standing.CONFIRMED
 
     def search_anew(self) -> None:
         """Change nothing, because this filter does not search for other places."""
 
     def use(self, setup: Setup) -> None:
-        """Go on with other models and parameters; the belief stays."""
+        """Switch to other models and parameters, and keep the belief."""
         self.motion, self.sensor = setup.motion, setup.sensor
         self.likelihood_weight = setup.likelihood_weight
 
@@ -113,34 +113,34 @@ class GridFilter:
 
     @property
     def cloud(self) -> Cloud:
-        """The boxes' middles with their probability; of too many, some drawn by it."""
+        """The middles of the boxes with their probabilities; a sample if there are too many."""
         poses = compose(self._grid.poses, self._moved.to_array())
         if len(poses) <= SHOWN:
             return Cloud(poses, self._grid.mass)
-        # The same draws always, so that what is shown does not flicker.
+        # The draws are always the same, so that the display does not flicker.
         drawn = low_variance(self._grid.mass, SHOWN, np.random.default_rng(0))
         return Cloud.even(poses[drawn])
 
     @property
     def hypotheses(self) -> tuple[Hypothesis, ...]:
-        """Boxes that touch, heaviest first."""
+        """Groups of boxes that touch, heaviest first."""
         if self._found is None:
             self._found = self._find()
         return self._found
 
     @property
     def extra_sd(self) -> float:
-        """Nothing: it does not ask single poses."""
+        """Always zero: ranges are blurred by the size of the boxes instead."""
         return 0.0
 
     @property
     def effective(self) -> float:
-        """How many equally likely boxes the belief is worth."""
+        """Effective number of boxes (1 / sum of squared probabilities)."""
         return effective_sample_size(self._grid.mass)
 
     @property
     def cell(self) -> Array:
-        """Sides (3,) of a box at present [m, m, rad]."""
+        """Current sides (3,) of a box [m, m, rad]."""
         return self._grid.boxes.size
 
     def set_pose(self, pose: Pose2, covariance: Array) -> None:
@@ -148,7 +148,7 @@ class GridFilter:
         self._restart(normal_grid(self.finest, pose, covariance, self.most_cells))
 
     def set_hypotheses(self, hypotheses: tuple[Hypothesis, ...]) -> None:
-        """Restart at places whose weights are relative to each other."""
+        """Restart at hypotheses; only the ratios of their weights count."""
         self.set_cloud(Cloud.drawn(hypotheses, RANDOM_PLACES, np.random.default_rng(0)))
 
     def set_cloud(self, cloud: Cloud) -> None:
@@ -163,24 +163,24 @@ class GridFilter:
     def predict(self, moved: Pose2) -> None:
         """Follow a step by odometry.
 
-        Steps are gathered until they err by half a box: till then the boxes are about poses at the
-        start of them, and nothing is lost to rounding.
+        Steps are collected until they err by half a box. Until then, the boxes hold poses at the
+        start of these steps, and rounding loses nothing.
         """
         step, noise = loosened(self.motion, self.looseness).moments(moved)
         self._moved, self._noise = follow(self._moved, self._noise, step, noise)
         self._found = None
         xy, _, theta = size = self._grid.boxes.size
         errs = (np.diag(self._noise) >= np.square(size / 2)).any()
-        # Poses of one box part by their headings as they go.
+        # Poses of one box drift apart by their headings.
         parted = math.hypot(self._moved.x, self._moved.y) * theta >= xy / 2
         if errs or parted:
             self._move()
 
     def correct(self, scan: Scan) -> None:
-        """Weigh the boxes by a scan, and cut them while that can be afforded."""
+        """Weigh the boxes by a scan, and cut them while there are few enough."""
         self._found = None
         before = self._grid
-        # To some models it says much that nothing returned; others have nothing to be asked then.
+        # Some models weigh rays that did not return; to the others, this scan says nothing.
         if not (scan.hit.any() or count_rays(self.sensor, before.poses, scan)):
             return
         while True:
@@ -188,7 +188,7 @@ class GridFilter:
             matter = after.mass > LEAST * after.mass.max()
             if before.boxes.level == 0 or 8 * np.count_nonzero(matter) > self.most_cells:
                 break
-            # The belief before the scan is cut and weighed again: a scan counts once.
+            # The belief before the scan is cut and weighed again, so that a scan counts once.
             before = before.only(matter).finer()
         self._grid = after.only(matter)
 
@@ -200,7 +200,7 @@ class GridFilter:
         self._restart(grid)
 
     def _restart(self, grid: PoseGrid) -> None:
-        """The boxes are about the robot where it is now."""
+        """Begin with other boxes, at the robot's current pose: no step is collected yet."""
         self._grid = grid
         self._moved, self._noise = Pose2(), np.zeros((3, 3))
         self._found = None
@@ -226,7 +226,7 @@ class GridFilter:
 
     def _describe(self, poses: Array, mass: Array) -> Hypothesis:
         mean = mean_pose(poses, mass)
-        # Within a box any pose is as likely.
+        # All poses within a box are equally likely.
         within = np.diag(np.square(self._grid.boxes.size) / 12)
         covariance = pose_covariance(poses, mass, mean) + within
         pose, covariance = follow(mean, covariance, self._moved, self._noise)

@@ -18,29 +18,29 @@ from robot.localization.grid.pose_grid import (
 )
 
 PASS = 0.5
-"""Variance in boxes squared that is spread in one go: three boxes cannot take up more than 0.75."""
+"""Variance that one pass spreads, in boxes squared; three boxes can hold at most 0.75."""
 MOST_PASSES = 4
-"""For a step that errs by more, boxes so small are worth nothing."""
+"""A step that would need more passes makes the boxes coarser."""
 
 
 def moved_grid(grid: PoseGrid, step: Pose2, noise: Array) -> PoseGrid:
-    """Where a belief is after a step (Probabilistic Robotics, Table 4.1, line 3).
+    """Return a belief after a step (Probabilistic Robotics, Table 4.1, line 3).
 
-    Boxes stay where they are on the map: of each, shares go to the three nearest to its end along
-    x, y and theta, such that mean and variance are right also for steps shorter than a box.
-    Two things are not: an end d boxes from a middle cannot have less variance than d (1 - d), so
-    steps should be taken only when they err by about half a box; and x, y and theta err apart.
+    Boxes are fixed on the map. Shares of each box go to the three boxes nearest to its end, along
+    x, y and theta. So mean and variance are right even for steps shorter than a box, with two
+    limits: an end d boxes from a middle has at least the variance d (1 - d), so a step should err
+    by about half a box; and the errors of x, y and theta are independent.
 
     Args:
         grid: the belief; it gets coarser where the step errs by more than the boxes are wide.
             Headings that err by more than the widest boxes can take are mixed with even ones.
-        step: seen from its start.
+        step: the step, seen from its start.
         noise: (3, 3) covariance [m, m, rad] of its end, seen from its start.
     """
     variances = _variances(grid.boxes, noise)
     known = 1.0
     if grid.boxes.turns == FEWEST_TURNS:
-        # Boxes of heading get no wider than that: the rest of the noise makes any as likely.
+        # Boxes of heading get no wider than that; the rest of the noise makes all headings likely.
         taken = np.minimum(variances[0, 2], PASS * MOST_PASSES)
         known = math.exp(-(variances[0, 2] - taken) * grid.boxes.size[2] ** 2 / 2)
         variances[:, 2] = taken
@@ -62,9 +62,9 @@ def moved_grid(grid: PoseGrid, step: Pose2, noise: Array) -> PoseGrid:
 
 
 def _partly_turned(grid: PoseGrid, known: float) -> PoseGrid:
-    """Of each place a share keeps its heading; the rest has any.
+    """Return a belief of which a share keeps its heading; the rest gets any heading.
 
-    Noise with the variance v leaves exp(-v / 2) of the mean direction's length.
+    Noise with the variance v shortens the mean direction vector to exp(-v / 2).
     """
     turns = grid.boxes.turns
     everywhere = np.repeat(grid.cells, turns, axis=0)
@@ -75,12 +75,12 @@ def _partly_turned(grid: PoseGrid, known: float) -> PoseGrid:
 
 
 def _headings(boxes: Boxes) -> Array:
-    """Unit vectors (turns, 2) along the middles of the boxes."""
+    """Return unit vectors (turns, 2) along the middle headings of the boxes."""
     return heading_vectors((np.arange(boxes.turns) + 0.5) * boxes.size[2] - math.pi)
 
 
 def _shifts(boxes: Boxes, step: Pose2) -> Array:
-    """How far a step takes boxes of each heading (turns, 3), in boxes."""
+    """Return how far a step moves boxes of each heading (turns, 3), in boxes."""
     ahead = _headings(boxes)
     shifts = np.full((boxes.turns, 3), step.theta)
     shifts[:, :2] = step.x * ahead + step.y * ahead[:, ::-1] * (-1, 1)
@@ -89,7 +89,7 @@ def _shifts(boxes: Boxes, step: Pose2) -> Array:
 
 
 def _variances(boxes: Boxes, noise: Array) -> Array:
-    """Variance (turns, 3) along x, y and theta of where boxes of each heading end, in boxes."""
+    """Return the variance (turns, 3) of the end along x, y and theta, by heading, in boxes."""
     c, s = _headings(boxes).T
     variances = np.full((boxes.turns, 3), noise[2, 2])
     variances[:, 0] = c * c * noise[0, 0] - 2 * c * s * noise[0, 1] + s * s * noise[1, 1]
@@ -99,21 +99,21 @@ def _variances(boxes: Boxes, noise: Array) -> Array:
 
 
 def _blur(shifts: Array) -> Array:
-    """The least variance that shares can have whose mean lies between the middles of boxes."""
+    """Return the least variance of shares whose mean lies between the middles of boxes."""
     offset = np.abs(shifts - np.rint(shifts))
     least: Array = offset * (1 - offset)
     return least
 
 
 def _spread(grid: PoseGrid, shifts: Array, variances: Array) -> PoseGrid:
-    """Share what is in each box with its neighbours; shifts and variances (turns, 3), in boxes."""
+    """Spread each box to its neighbours; shifts and variances (turns, 3) are in boxes."""
     nearest = np.rint(shifts)
     offset = shifts - nearest
     square = np.maximum(variances, _blur(shifts)) + offset * offset
     # Shares of the three with the sum 1, the mean ``off`` and the mean square ``square``.
     shares = np.stack([(square - offset) / 2, 1 - square, (square + offset) / 2], axis=-1)
     cells, mass = grid.cells, grid.mass
-    # The heading last: the others go by the heading that the step began with.
+    # The heading comes last, because x and y depend on the heading before the step.
     for axis in range(3):
         columns = nearest[:, axis].astype(np.int64)
         cells, mass = _share(cells, mass, axis, columns, shares[:, axis])
@@ -128,10 +128,10 @@ def _share(
 
     Args:
         cells: the boxes.
-        mass: of each.
-        axis: along which.
-        nearest: (turns,) how many boxes to the middle one of the three, by heading.
-        shares: (turns, 3) what each of the three gets.
+        mass: mass of each box.
+        axis: the axis to move along.
+        nearest: (turns,) distance to the middle one of the three boxes, by heading, in boxes.
+        shares: (turns, 3) share of each of the three boxes.
     """
     turns = len(nearest)
     table, merged, total = no_boxes(3 * len(cells))

@@ -1,8 +1,7 @@
 """A belief on a grid: boxes of x, y and theta, each with a share of the probability.
 
-Only boxes that matter are kept (selective updating: Probabilistic Robotics, section 8.2.3). All
-have one size, which may be halved and doubled: coarse where the belief is wide, and fine where it
-is narrow.
+Only boxes that are not negligible are kept (selective updating: Probabilistic Robotics, section
+8.2.3). All boxes have the same size. It is doubled for a wide belief and halved for a narrow one.
 """
 
 from __future__ import annotations
@@ -21,19 +20,19 @@ from robot.localization.filter import Cloud
 Indices = NDArray[np.int64]
 
 FEWEST_TURNS = 8
-"""Boxes of heading are not doubled any more when a full turn has no more than these."""
+"""Least number of boxes in a full turn; wider boxes of heading are not made."""
 
 
 @dataclass(frozen=True, slots=True)
 class Boxes:
-    """How the poses are cut into boxes."""
+    """A partition of the poses into boxes."""
 
     finest_xy: float
     """Side of a box of level 0 [m]."""
     finest_turns: int
     """Boxes of level 0 in a full turn: a power of two."""
     level: int = 0
-    """How often the finest boxes are doubled."""
+    """How often the finest boxes were doubled."""
 
     @property
     def turns(self) -> int:
@@ -47,7 +46,7 @@ class Boxes:
         return np.array([xy, xy, 2 * math.pi / self.turns])
 
     def places(self, poses: Array) -> Array:
-        """Poses (n, 3) in boxes from the map's origin and from -pi; whole numbers are borders."""
+        """Return poses (n, 3) in boxes, from the map's origin and -pi; borders are integers."""
         places: Array = np.add(poses, (0, 0, math.pi)) / self.size
         return places
 
@@ -58,13 +57,13 @@ class PoseGrid:
 
     boxes: Boxes
     cells: Indices = field(repr=False)
-    """(n, 3) which box, along x, y and theta; no two alike."""
+    """(n, 3) indices of the boxes along x, y and theta; all different."""
     mass: Array = field(repr=False)
     """(n,), summing to one."""
 
     @classmethod
     def of(cls, boxes: Boxes, cells: Indices, mass: Array) -> PoseGrid:
-        """Boxes (n, 3) that may occur more than once, with any mass (n,); headings may be wound."""
+        """Return a grid of boxes (n, 3) with masses (n,); boxes may repeat, headings may wrap."""
         cells[:, 2] %= boxes.turns
         cells, mass = sum_alike(cells, mass)
         return cls(boxes, cells, mass / mass.sum())
@@ -76,12 +75,12 @@ class PoseGrid:
         return middles
 
     def only(self, selection: NDArray[np.bool_]) -> PoseGrid:
-        """Some of the boxes."""
+        """Return a grid of some of the boxes."""
         mass = self.mass[selection]
         return replace(self, cells=self.cells[selection], mass=mass / mass.sum())
 
     def finer(self) -> PoseGrid:
-        """Each box cut into eight, of half its sides."""
+        """Return a grid with each box cut into eight, of half its sides."""
         half = replace(self.boxes, level=self.boxes.level - 1)
         in_turn = half.turns // self.boxes.turns
         corners = np.array([(x, y, t) for x in (0, 1) for y in (0, 1) for t in range(in_turn)])
@@ -90,7 +89,7 @@ class PoseGrid:
         return PoseGrid(half, cells.reshape(-1, 3), mass)
 
     def coarser(self) -> PoseGrid:
-        """Eight boxes made one, of twice their sides."""
+        """Return a grid with eight boxes joined into one, of twice their sides."""
         double = replace(self.boxes, level=self.boxes.level + 1)
         in_turn = self.boxes.turns // double.turns
         return PoseGrid.of(double, self.cells // (2, 2, in_turn), self.mass)
@@ -98,9 +97,9 @@ class PoseGrid:
 
 @njit(cache=True, nogil=True)
 def sum_alike(cells: Indices, mass: Array) -> tuple[Indices, Array]:
-    """Each box (n, 3) once, with all its mass, in the order of the first to come.
+    """Return each box (n, 3) once, with all its mass, in the order of first occurrence.
 
-    Boxes without any mass are left out.
+    Boxes without mass are left out.
     """
     table, merged, total = no_boxes(len(cells))
     result = 0
@@ -113,7 +112,7 @@ def sum_alike(cells: Indices, mass: Array) -> tuple[Indices, Array]:
 
 @njit(cache=True, nogil=True)
 def no_boxes(most: int) -> tuple[Indices, Indices, Array]:
-    """An empty hash table, boxes and masses, to be filled by ``add_box``."""
+    """Return an empty hash table, boxes and masses, which ``add_box`` fills."""
     size = 16
     while size < 2 * most:
         size *= 2
@@ -131,13 +130,13 @@ def add_box(
     total: Array,
     result: int,
 ) -> int:
-    """Add mass to a box, which may be a new one; returns how many there are then.
+    """Add mass to a box, which may be new; return the number of boxes.
 
-    The table has open addressing: a box that finds its slot taken takes the next free one.
+    The table has open addressing: if a box finds its slot taken, it takes the next free one.
     """
     if not mass > 0:
         return result
-    # Large odd numbers: the products wrap, and their high bits depend on all bits of the places.
+    # Large odd factors: the products wrap, and their high bits depend on all bits of the places.
     mixed = x * 0x1E3779B97F4A7C15 + y * 0x42B2AE3D27D4EB4F + t * 0x165667B19E3779F9
     slot = ((mixed ^ (mixed >> 32)) * 0x1FD7046C5EF9AB4D >> 20) & (len(table) - 1)
     while table[slot] >= 0:
@@ -155,19 +154,19 @@ def add_box(
 WIDEST = 3.5
 """A normal distribution is cut off at this many standard deviations."""
 WIDEST_LEVEL = 40
-"""Boxes that were doubled this often reach from the map's origin to anywhere."""
+"""Boxes that were doubled this often reach from the map's origin to any place."""
 
 
 def normal_grid(finest: Boxes, mean: Pose2, covariance: Array, most: int) -> PoseGrid:
-    """A normal distribution, in the finest boxes of which it needs at most a given number.
+    """Return a normal distribution, in the finest boxes with which at most ``most`` are needed.
 
-    It is half a box wide at least: narrower it would fall between their middles.
+    It is at least half a box wide; a narrower one would fall between the middles of boxes.
 
     Args:
         finest: boxes of level 0.
-        mean: in the map.
+        mean: mean in the map.
         covariance: (3, 3) [m, m, rad], may be singular.
-        most: boxes within the bounds of the distribution.
+        most: most boxes within the bounds of the distribution.
     """
     for level in count():
         boxes = replace(finest, level=level)
@@ -188,11 +187,11 @@ def normal_grid(finest: Boxes, mean: Pose2, covariance: Array, most: int) -> Pos
 
 
 def cloud_grid(finest: Boxes, cloud: Cloud, few: int = 8) -> PoseGrid:
-    """Weighted poses, in the finest boxes that have four of them each on average.
+    """Return weighted poses, in the finest boxes that hold four of them each on average.
 
-    A few poses are not draws from something wider: they are put into boxes of level 0. Poses all
-    over the field stay apart however wide the boxes are, by the quarter of the map and by heading:
-    of them no more are asked than boxes as wide as the world hold.
+    A few poses are not draws from a wider distribution, so they are put into boxes of level 0.
+    Poses all over the field stay in different boxes of any width, by the quarter of the map and by
+    heading, so no more than in the widest boxes are required.
     """
     some = cloud.weights > 0
     poses, weights = cloud.poses[some], cloud.weights[some]
@@ -214,7 +213,7 @@ def cloud_grid(finest: Boxes, cloud: Cloud, few: int = 8) -> PoseGrid:
 
 
 def _share(cells: Indices, mass: Array, axis: int, offset: Array) -> tuple[Indices, Array]:
-    """Part of each mass goes to the next box along an axis, on the side that it is off (n,)."""
+    """Share each mass with the next box along an axis, on the side of its offset (n,)."""
     beside = cells.copy()
     beside[:, axis] += np.where(offset < 0, -1, 1)
     part = np.abs(offset)
@@ -222,7 +221,7 @@ def _share(cells: Indices, mass: Array, axis: int, offset: Array) -> tuple[Indic
 
 
 def even_grid(finest: Boxes, places: Array, most: int) -> PoseGrid:
-    """Any heading, and a place among many that are evenly spread over where the robot may be.
+    """Return a grid with all headings, over places that are spread evenly where the robot may be.
 
     Args:
         finest: boxes of level 0.

@@ -1,7 +1,7 @@
-"""Particles joined into clusters by their cells, which a hash table finds; each cluster's moments.
+"""Joins particles into clusters by their cells, and computes the moments of each cluster.
 
-The moments are taken within each cell, about its first particle, and only then brought together:
-there angles are plain numbers, and squares of small offsets lose no digits.
+The moments are summed within each cell about its first particle, and joined afterwards. Within a
+cell, angles need no wrapping, and squares of small offsets lose no digits.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from robot.localization.kernels.steps import wrapped
 Index = NDArray[np.int64]
 
 NO_WEIGHT = 1e-100
-"""Clusters with less are not described: the squares of so small numbers are zero."""
+"""Clusters with less weight are not described: squares of such small numbers are zero."""
 
 
 @njit(cache=True, nogil=True)
@@ -29,10 +29,10 @@ def clustered(
 
     Args:
         poses: [m, m, rad] in the map.
-        weights: of the particles; they sum to one.
+        weights: weights of the particles; they sum to one.
         size_xy: side of a cell [m].
         turns: cells in a full turn.
-        most: clusters that are described.
+        most: most clusters that are described.
 
     Returns:
         Cluster (n,) and cell (n,) of each particle; share of the weight (k,), mean (k, 3) and
@@ -61,7 +61,7 @@ def clustered(
 def _sort_into_cells(
     poses: Array, size_xy: float, turns: int
 ) -> tuple[Index, Index, NDArray[np.int32]]:
-    """Cell (n,) of each pose, what cell that is (m, 3), and the hash table that finds it."""
+    """Return the cell (n,) of each pose, the cells (m, 3), and the hash table that finds them."""
     slots = 64
     while slots < 2 * len(poses):
         slots *= 2
@@ -87,7 +87,7 @@ def _sort_into_cells(
 
 @njit(cache=True, nogil=True, forceinline=True)
 def _slot(x: int, y: int, theta: int, cells: Index, table: NDArray[np.int32]) -> int:
-    """Where a cell stands in the hash table, or the free place where it would."""
+    """Return the slot of a cell in the hash table, or the free slot where it belongs."""
     mask = len(table) - 1
     slot = ((x * 73856093) ^ (y * 19349669) ^ (theta * 83492791)) & mask
     while True:
@@ -101,9 +101,9 @@ def _slot(x: int, y: int, theta: int, cells: Index, table: NDArray[np.int32]) ->
 
 @njit(cache=True, nogil=True)
 def _join_neighbours(cells: Index, table: NDArray[np.int32], turns: int) -> tuple[Index, int]:
-    """Cluster (m,) of each cell, counted from 0, and their number.
+    """Return the cluster (m,) of each cell, counted from 0, and the number of clusters.
 
-    Each cell asks the half of its 26 neighbours that come after it (union-find).
+    Each cell is joined with the half of its 26 neighbours that come after it (union-find).
     """
     parent = np.arange(len(cells))
     for cell in range(len(cells)):
@@ -142,7 +142,7 @@ COLUMNS = 14
 
 @njit(cache=True, nogil=True, fastmath={"contract"}, error_model="numpy")
 def add_moments(poses: Array, weights: Array, cell_of: NDArray[np.int64], cells: int) -> Array:
-    """Moments (m, COLUMNS) of the particles (n, 3) in each cell."""
+    """Return the moments (m, COLUMNS) of the particles (n, 3) in each cell."""
     moments = np.zeros((cells, COLUMNS))
     seen = 0
     for i in range(len(poses)):
@@ -170,10 +170,10 @@ def add_moments(poses: Array, weights: Array, cell_of: NDArray[np.int64], cells:
 
 @njit(cache=True, nogil=True)
 def describe(moments: Array, cluster_of: NDArray[np.int64], clusters: int) -> tuple[Array, Array]:
-    """Means (k, 3) and covariances (k, 3, 3) of the first clusters; each cell (m,) is in one.
+    """Return means (k, 3) and covariances (k, 3, 3) of the first clusters, by cells (m,).
 
-    The covariance is divided by 1 - sum w^2: the mean is the particles' own, and fewer of them
-    lie closer to it than to the true one.
+    The covariance is divided by 1 - sum w^2, because particles lie closer to their own mean than to
+    the true one.
     """
     middle = _middles(moments, cluster_of, clusters)
     sums = np.zeros((clusters, COLUMNS))
@@ -203,7 +203,7 @@ def describe(moments: Array, cluster_of: NDArray[np.int64], clusters: int) -> tu
 
 @njit(cache=True, nogil=True)
 def _middles(moments: Array, cluster_of: NDArray[np.int64], clusters: int) -> Array:
-    """A pose (k, 3) amid each cluster to take offsets from; headings as unit vectors."""
+    """Return a pose (k, 3) inside each cluster to take offsets from; headings by unit vectors."""
     toward = np.zeros((clusters, 3))
     middle = np.zeros((clusters, 3))
     for cell in range(len(moments)):
