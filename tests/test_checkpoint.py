@@ -89,11 +89,13 @@ def test_a_search_for_places_can_be_kept_in_the_middle_of_it(drive):
     straight.scatter()
     keeper = keeper_of(program, straight)
     seen = 0
-    while not straight.localizer.filter._searches.is_running or seen % 2 == 0:
+    while straight.localizer.filter._searches._running is None or seen % 2 == 0:
         answers(straight, frames[seen : seen + 1])
         seen += 1
     answers(straight, frames[seen : seen + 3])
-    assert straight.localizer.filter._searches.is_running, "the search should still be at work"
+    assert straight.localizer.filter._searches._running is not None, (
+        "the search should still be at work"
+    )
     checkpoint = keeper.keep(straight)
     expected = answers(straight, frames[seen + 3 :])
     assert straight.localizer.filter.hypotheses, "nothing was found: the test tells nothing"

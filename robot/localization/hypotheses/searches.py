@@ -51,11 +51,6 @@ class Searches:
         return kept
 
     @property
-    def is_running(self) -> bool:
-        """Whether a search has begun and is not done."""
-        return self._running is not None
-
-    @property
     def is_due(self) -> bool:
         """Whether it is time for the next search."""
         return self._running is None and self._wait <= 0
