@@ -155,13 +155,31 @@ def test_on_a_phone_the_panels_are_tabs_and_stop_is_always_there(browser, server
         browser, server, width=390, height=844, view=False, has_touch=True,
         color_scheme=scheme,
     ):  # fmt: skip
-        for name in ("Camera", "Map", "Filter"):
-            page.get_by_role("tab", name=name).click()
-            expect(page.locator(f"#{name.lower()}")).to_be_visible()
+        page.evaluate(
+            """() => document.getElementById("main").insertAdjacentHTML("beforeend",
+                 "<section class='panel' id='tabless'><header><h2>Tabless</h2></header></section>")"""
+        )
+        shown = {}
+        for tab in page.get_by_role("tablist", name="Panels").get_by_role("tab").all():
+            tab.click()
+            expect(page.locator(f"#{tab.get_attribute('aria-controls')}")).to_be_visible()
             assert any(
                 button.is_visible() for button in page.get_by_role("button", name="STOP").all()
             )
-            expect(page.locator("#joystick")).to_be_visible()
+            shown[tab.text_content()] = page.evaluate(
+                "[...document.querySelectorAll('main > .panel')]"
+                ".filter(panel => panel.checkVisibility()).map(panel => panel.id)"
+            )
+        assert shown == {
+            "Camera": ["camera", "drive"],
+            "Map": ["map", "drive"],
+            "3D": ["view", "drive"],
+            "Filter": ["drive", "filter", "plots"],
+        }
+        panels = page.evaluate(
+            "[...document.querySelectorAll('main > .panel')].map(panel => panel.id)"
+        )
+        assert set(panels) - set().union(*shown.values()) == {"tabless"}
         wide = page.evaluate("document.documentElement.scrollWidth")
         assert wide <= 390
 

@@ -11,7 +11,7 @@ const PHONE = matchMedia("(max-width: 640px), (max-height: 500px)");
  */
 export class PhoneTabs {
   #list = find("tabs", HTMLElement);
-  #tabs = new Tabs(this.#list, (name) => (document.body.dataset.tab = name));
+  #tabs = new Tabs(this.#list, (name) => this.#open(name));
 
   start() {
     this.#tabs.select("map");
@@ -26,6 +26,19 @@ export class PhoneTabs {
   /** Show a panel's tab. @param {string} name */
   show(name) {
     this.#tabs.select(name);
+  }
+
+  /**
+   * A panel belongs to the tab of its id, or to the one that its `data-tab` names; "all" is each.
+   * @param {string} name
+   */
+  #open(name) {
+    document.body.dataset.tab = name;
+    for (const panel of document.querySelectorAll("main > .panel")) {
+      if (!(panel instanceof HTMLElement)) continue;
+      const tab = panel.dataset.tab ?? panel.id;
+      panel.toggleAttribute("data-in-tab", tab === name || tab === "all");
+    }
   }
 
   /** Give panels the role of tab panels only while there are tabs. */
