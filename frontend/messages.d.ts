@@ -71,8 +71,8 @@ export interface BoardMessage {
 }
 
 /**
- * Drive to calibrate the robot, for a minute; holds for 0.3 s, and continues if renewed. At its
- * end the robot is calibrated by what it saw; ``stop`` leaves it as it was.
+ * Drive to calibrate the robot, for a minute. It holds as long as drive does, and continues if
+ * renewed. At its end the robot is calibrated by what it saw; ``stop`` leaves it as it was.
  */
 export interface CalibrateCommand {
   /** Repeated in the answer. */
@@ -132,7 +132,10 @@ export interface DiscardMapCommand {
   type: "discard_map";
 }
 
-/** Drive; holds for 0.3 s unless renewed. Velocities beyond the limits are reduced to them. */
+/**
+ * Drive; holds for ``cmd_vel_timeout`` unless renewed. Velocities beyond the limits are reduced to
+ * them.
+ */
 export interface DriveCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
@@ -177,8 +180,8 @@ export interface EstimateMessage {
 }
 
 /**
- * Drive to see the tape that the map lacks; holds for 0.3 s, and continues if renewed. It ends by
- * itself, back at its start, when all of the floor between the tape was seen.
+ * Drive to see the tape that the map lacks. It holds as long as drive does, and continues if
+ * renewed. It ends by itself, back at its start, when all of the floor between the tape was seen.
  */
 export interface ExploreCommand {
   /** Repeated in the answer. */
@@ -223,7 +226,7 @@ export interface FieldMessage {
 }
 
 /**
- * Drive the open-loop figure-eight; holds for 0.3 s like drive, and continues if renewed. The
+ * Drive the open-loop figure-eight. It holds as long as drive does, and continues if renewed. The
  * robot stands until then; after three seconds the figure-eight begins anew.
  */
 export interface FigureEightCommand {

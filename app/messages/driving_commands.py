@@ -10,7 +10,10 @@ from app.messages.message import CommandMessage
 
 
 class DriveCommand(CommandMessage):
-    """Drive; holds for 0.3 s unless renewed. Velocities beyond the limits are reduced to them."""
+    """Drive; holds for ``cmd_vel_timeout`` unless renewed.
+
+    Velocities beyond the limits are reduced to them.
+    """
 
     type: Literal["drive"]
     v: Annotated[float, Field(ge=-10, le=10)]
@@ -24,9 +27,10 @@ class StopCommand(CommandMessage):
 
 
 class FigureEightCommand(CommandMessage):
-    """Drive the open-loop figure-eight; holds for 0.3 s like drive, and continues if renewed.
+    """Drive the open-loop figure-eight.
 
-    The robot stands until then; after three seconds the figure-eight begins anew.
+    It holds as long as drive does, and continues if renewed. The robot stands until then; after
+    three seconds the figure-eight begins anew.
     """
 
     type: Literal["figure_eight"]
@@ -38,9 +42,10 @@ class FigureEightCommand(CommandMessage):
 
 
 class CalibrateCommand(CommandMessage):
-    """Drive to calibrate the robot, for a minute; holds for 0.3 s, and continues if renewed.
+    """Drive to calibrate the robot, for a minute.
 
-    At its end the robot is calibrated by what it saw; ``stop`` leaves it as it was.
+    It holds as long as drive does, and continues if renewed. At its end the robot is calibrated by
+    what it saw; ``stop`` leaves it as it was.
     """
 
     type: Literal["calibrate"]

@@ -31,9 +31,10 @@ class PauseMapCommand(CommandMessage):
 
 
 class ExploreCommand(CommandMessage):
-    """Drive to see the tape that the map lacks; holds for 0.3 s, and continues if renewed.
+    """Drive to see the tape that the map lacks.
 
-    It ends by itself, back at its start, when all of the floor between the tape was seen.
+    It holds as long as drive does, and continues if renewed. It ends by itself, back at
+    its start, when all of the floor between the tape was seen.
     """
 
     type: Literal["explore"]
