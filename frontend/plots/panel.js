@@ -199,9 +199,10 @@ export class PlotsPanel {
   /** @param {KeyboardEvent} event */
   #key(event) {
     const [low, high] = this.#span.ends(this.history.stamps);
+    const last = Math.min(high, this.history.stamps.at(-1) ?? 0);
     const step = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
     if (step && event.shiftKey) this.#span.pan(this.history.stamps, (step * (high - low)) / 10);
-    else if (step) this.#read(Math.min(high, Math.max(low, (this.#cursor ?? high) + (step * (high - low)) / 60)));
+    else if (step) this.#read(Math.min(last, Math.max(low, (this.#cursor ?? last) + (step * (high - low)) / 60)));
     else if (event.key === "+") this.#zoom(1 / ZOOM);
     else if (event.key === "-") this.#zoom(ZOOM);
     else if (event.key === "0") this.#follow(Number(this.#choice.value));

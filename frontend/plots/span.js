@@ -12,10 +12,12 @@ export class Span {
 
   /** @param {number[]} stamps @returns {[number, number]} the stamps at both ends [s] */
   ends(stamps) {
-    const newest = stamps.at(-1) ?? 0;
+    const [oldest, newest] = [stamps[0] ?? 0, stamps.at(-1) ?? 0];
     const high = this.end ?? newest;
-    if (!Number.isFinite(this.seconds)) return [Math.min(stamps[0] ?? 0, high - SHORTEST_S), high];
-    return [high - this.seconds, high];
+    if (!Number.isFinite(this.seconds)) return [Math.min(oldest, high - SHORTEST_S), high];
+    // A run that has just begun fills the plot from the left.
+    const right = this.end ?? Math.max(newest, oldest + this.seconds);
+    return [right - this.seconds, right];
   }
 
   /** Show so many of the newest seconds. @param {number} seconds */

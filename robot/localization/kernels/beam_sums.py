@@ -63,7 +63,7 @@ def _cast_fan(
     range_max: float,
     fan: Array,
 ) -> None:
-    """Fill the last row of ``fan`` (3, k) with where rays from one place should end [m]."""
+    """Fill the last row of ``fan`` (3, k) with the expected ranges [m] of rays from one place."""
     dx, dy, expected = fan[0], fan[1], fan[2]
     near = rays[4]
     for j in range(len(near)):
@@ -95,9 +95,10 @@ def _meet(
     near: Array,
     expected: Array,
 ) -> None:
-    """Shorten rays from the origin that meet an edge: as ``cast_toward``, several at a time.
+    """Shorten the rays from the origin that meet an edge, as ``cast_toward`` does.
 
-    For that there is no branch in the loop, and the function is not inlined.
+    The loop has no branch and the function is not inlined, so that the compiler works on several
+    rays at a time.
     """
     across = y0 * x1 - x0 * y1
     for j in range(len(dx)):
@@ -111,7 +112,7 @@ def _meet(
 def _log_likelihood(
     rays: Array, expected: Array, sd: float, hit: float, false: float, log_missed: float
 ) -> float:
-    """Table 6.1 for one pose."""
+    """Return the log-likelihood of one pose (Table 6.1)."""
     total, product = 0.0, 1.0
     for j in range(len(expected)):
         z = rays[2, j]
@@ -121,10 +122,10 @@ def _log_likelihood(
             continue
         p = false + (rays[3, j] if z <= expected[j] else 0.0)
         offset = (z - expected[j]) / sd
-        # Beyond that, a normal distribution is less than rounding.
+        # Farther out, the normal density is smaller than the rounding of ``p``.
         if -8.0 < offset < 8.0:
             p += hit * math.exp(-0.5 * offset * offset)
-        # One logarithm for many factors, before they leave the range of numbers.
+        # One logarithm serves many factors; it is taken before their product over- or underflows.
         product *= p
         if not 1e-100 < product < 1e100:
             total += math.log(product)

@@ -1,7 +1,8 @@
-"""The table of distances as planes: one word a cell, so that a look-up reads memory once.
+"""The table of distances with one 32-bit word per cell, so that a look-up reads memory once.
 
-Between the four corners of a cell the distance is all but a plane: exactly so along a straight
-edge. A word holds its value at the cell's corner and its slopes along x and y.
+Within a cell the distance to an edge is nearly a linear function of x and y; along a straight edge
+it is exactly one. A word holds the distance at the cell's first corner and the slopes along x and
+y.
 """
 
 from __future__ import annotations
@@ -12,26 +13,26 @@ from numpy.typing import NDArray
 from robot.geometry import Array
 
 DIRECTIONS = 8
-"""Tables of a field, each for rays of about one direction."""
+"""How many tables a field has: each is for rays of about one direction."""
 FARTHEST = 8190
-"""The greatest distance, in steps of the value (14 bits with sign): 18 um at 0.15 m."""
+"""The greatest distance as a whole number (14 bits with sign): a step is 18 um if it is 0.15 m."""
 STEEPEST = 254
-"""A slope of one, in steps of a slope (9 bits with sign)."""
+"""A slope of one as a whole number (9 bits with sign)."""
 ROWS = 64
-"""Of a table, are worked on at a time: what of a large one is in between would not fit caches."""
+"""How many rows of a table are converted at a time, so that intermediate arrays fit the cache."""
 VALUE_SHIFT, X_SHIFT = 18, 9
-"""Where value and slope along x stand in the word; the slope along y is its lowest part."""
+"""The lowest bits of the value and of the slope along x; the slope along y has bits 0 to 8."""
 
 
 def planes(
     distances: NDArray[np.float32], resolution: float, max_distance: float
 ) -> NDArray[np.int32]:
-    """Words (directions, h, w) of a table (directions, h, w) of distances [m].
+    """Return the words (directions, h, w) of a table (directions, h, w) of distances [m].
 
-    Cell (row, column) lies between the places (row, column) and (row + 1, column + 1); the last
-    row and column, which have no such cell, are as far as can be. A part of a word is chosen such
-    that the parts below it, read as its fraction, only round it: who looks it up need not cut
-    them off.
+    Cell (row, column) lies between the places (row, column) and (row + 1, column + 1). The last row
+    and column have no such cell; their distance is the greatest. Each part of a word takes the
+    parts below it for its fraction: they are subtracted before it is rounded, so that a look-up
+    need not mask them out.
     """
     words = np.full(distances.shape, FARTHEST << VALUE_SHIFT, dtype=np.int32)
     last = distances.shape[1] - 1
@@ -45,12 +46,12 @@ def planes(
 def _words(
     distances: NDArray[np.float32], resolution: float, max_distance: float
 ) -> NDArray[np.int64]:
-    """Words (directions, h - 1, w - 1) of the cells between h rows and w columns."""
+    """Return the words (directions, h - 1, w - 1) of the cells between h rows and w columns."""
     corners = np.stack(
         [distances[:, :-1, :-1], distances[:, :-1, 1:], distances[:, 1:, :-1], distances[:, 1:, 1:]]
     ).astype(np.float64)
-    # A distance changes by no more than the way, so corners that differ by more are not at an edge:
-    # there the sign ends, and a plane would pass through zero.
+    # A distance cannot change by more than the way between two places. Where corners differ by
+    # more, its sign has jumped far from an edge, and a plane would pass through zero.
     jump = np.ptp(corners, axis=0) > 1.5 * resolution
     d00, d01, d10, d11 = np.where(jump, np.abs(corners), corners)
     along_y = _rounded((d10 + d11 - d00 - d01) / (2 * resolution) * STEEPEST, 0.0)
@@ -72,9 +73,9 @@ def _rounded(slopes: Array, fraction: float | Array) -> NDArray[np.int64]:
 def distance_at(
     words: NDArray[np.int32], resolution: float, max_distance: float, position: tuple[Array, ...]
 ) -> Array:
-    """Distances [m], with sign, at places (direction, row, column), the latter two with fractions.
+    """Return signed distances [m] at places (direction, row, column).
 
-    What the compiled look-ups do, in plain NumPy.
+    Rows and columns have fractions. It does in plain NumPy what the compiled look-ups do.
     """
     direction, row, column = position
     r, c = np.floor(row).astype(int), np.floor(column).astype(int)
@@ -86,6 +87,6 @@ def distance_at(
 
 
 def _low(word: NDArray[np.int64], bits: int) -> NDArray[np.int64]:
-    """The lowest bits of a word, with sign."""
+    """Return the lowest bits of a word as a signed number."""
     part = word & ((1 << bits) - 1)
     return np.where(part >> (bits - 1), part - (1 << bits), part)

@@ -1,11 +1,11 @@
-"""Sums over rays of a curve of their ends' distances: what weighing by a likelihood field costs.
+"""Sums over rays of a function of the distance at each ray's end, for the likelihood field.
 
 Textbook twin: ``likelihood_field_range_finder_model`` of ``robot.localization.textbook``.
 
-Ray by ray, over some hundred particles at a time, in three loops: which word of the table (sixteen
-particles at a time), reading it, and the curve (sixteen again). Reading stands alone as processors
-do it one by one anyway, and slower so when asked for sixteen at once. 0.8 ns for each ray and
-particle in all.
+The work is done ray by ray, for 512 particles at a time, in three loops: find the word of the
+table, read it, and add the function's value. The first and the last loop work on sixteen particles
+at once. Reading has a loop of its own, because processors read scattered words one by one, and take
+longer if asked for sixteen at once. All three take 0.8 ns for each ray and particle.
 """
 
 from __future__ import annotations
@@ -31,15 +31,15 @@ Words = NDArray[np.uint32]
 Curve = tuple[np.float32, ...]
 
 DEGREE = 8
-"""Of the curve's polynomial."""
+"""Degree of the polynomial."""
 BLOCK = 512
-"""Particles in a block: all that is worked on stays in the nearest memory, of 32 kB."""
+"""Particles in a block: its arrays fit the first-level cache of 32 kB."""
 LANES = 16
-"""Particles are filled up to a multiple of what a processor works on at a time."""
+"""Arrays of particles are padded to a multiple of this, what a processor works on at once."""
 ROUND = 2.0**32
-"""Headings and directions count a full turn so, that it goes round by itself."""
+"""A full turn as a 32-bit number: sums of angles wrap around by themselves."""
 FACING_SHIFT = 32 - int(math.log2(DIRECTIONS))
-"""Which of the table's directions: the highest bits."""
+"""Shifts such an angle so that its highest bits, which number the table's direction, remain."""
 
 
 @njit(cache=True, nogil=True)
@@ -50,10 +50,10 @@ def ray_ends(
     most: int,
     spread: tuple[float, float, float],
 ) -> NDArray[np.float32]:
-    """Rays that returned, evenly spread, in the robot frame.
+    """Return rays that returned, at most ``most``, evenly spread, in the robot frame.
 
     (4, k): ends x, y [m], direction [rad], and 1 / (s^2 (1 + slope r^2)^2 + extra^2) [1 / m^2] of
-    their ranges r, with s, slope and extra as ``spread``.
+    their ranges r; ``spread`` is s, slope and extra.
     """
     result = np.flatnonzero(np.isfinite(ranges))
     used = min(len(result), most)
@@ -87,31 +87,32 @@ def sum_over_rays(
     end: float,
     curve: NDArray[np.float32],
 ) -> Array:
-    """The sum (n,) over rays of a curve of d^2 / (end sigma^2) - 1, cut at 1, by poses (n, 3).
+    """Return for poses (n, 3) the sums (n,) over rays of p(min(d^2 / (end sigma^2) - 1, 1)).
 
-    Of the rays that returned ``max_beams`` count, evenly spread.
+    d is the distance at the ray's end, and p a polynomial. Of the rays that returned, at most
+    ``max_beams`` count, evenly spread.
 
     Args:
         poses: [m, m, rad] in the map.
         bearings: (r,) [rad] of the scan.
         ranges: (r,) [m], +inf where nothing returned.
         robot_from_scan: where the rays start, x, y, theta [m, m, rad].
-        max_beams: most rays that count.
+        max_beams: how many rays count at most.
         planes: (directions, h, w) words of a table of distances d; see ``entry_planes``. It has
-            DIRECTIONS, or one that stands for all.
+            DIRECTIONS tables, or one for all directions.
         origin: the map's x, y [m] at the table's corner.
         resolution: side of the table's cells [m].
         max_distance: the greatest distance in the table [m].
         spread: standard deviation of a near range [m], how it grows with a range's square
             [1 / m^2], and what is added to it [m]: sigma^2 = s^2 (1 + slope r^2)^2 + extra^2.
-        end: of the curve, in units of d^2 / sigma^2.
-        curve: (9,) coefficients of the polynomial, lowest first.
+        end: scales d^2 / sigma^2 to the argument of p; from twice this value on, p is constant.
+        curve: (9,) coefficients of p, lowest first.
     """
     rays = ray_ends(bearings, ranges, robot_from_scan, max_beams, spread)
     directions, height, width = planes.shape
     table = planes.ravel().view(np.uint32)
     last = uint32(directions - 1), uint32(height - 1), uint32(width - 1)
-    # Distances come in units of the word's value, squares of them in those of the curve.
+    # Distances are in steps of the word's value; ``unit`` makes their squares arguments of p.
     slope = float32(resolution / STEEPEST * FARTHEST / max_distance / 2 ** (32 - 2 * X_SHIFT - 9))
     unit = float32(1 / end * (max_distance / FARTHEST / 2**VALUE_SHIFT) ** 2)
     p = curve[1], curve[2], curve[3], curve[4], curve[5], curve[6], curve[7], curve[8]
@@ -137,7 +138,7 @@ def sum_over_rays(
 
 @njit(cache=True, nogil=True)
 def rows(count: int, length: int) -> NDArray[np.float32]:
-    """Uninitialized numbers (count, length), each row from the start of a cache line on."""
+    """Return an uninitialized array (count, length) that begins at the start of a cache line."""
     room = np.empty(count * length + LANES, dtype=np.float32)
     skip = (-room.ctypes.data // 4) % LANES
     return room[skip : skip + count * length].reshape(count, length)
@@ -147,9 +148,9 @@ def rows(count: int, length: int) -> NDArray[np.float32]:
 def _in_cells(
     poses: Array, origin: tuple[float, float], scale: float
 ) -> tuple[tuple[Row, Row, Row, Row], NDArray[np.int32]]:
-    """x, y, cosine and sine (m,) in cells of the table, and headings (m,) in parts of ROUND.
+    """Return x, y, cosine and sine (m,) in cells of the table, and headings (m,) in parts of ROUND.
 
-    Behind the poses they are zeros.
+    The arrays are padded with zeros to a multiple of LANES.
     """
     count = (len(poses) + LANES - 1) // LANES * LANES
     places, headings = rows(4, count), np.zeros(count, dtype=np.int32)
@@ -168,7 +169,7 @@ def _in_cells(
 
 @njit(cache=True, nogil=True, fastmath=True, error_model="numpy", forceinline=True)
 def _parts(angle: float) -> np.int32:
-    """An angle [rad] in parts of ROUND, from half a turn right to half a turn left."""
+    """Return an angle [rad] in parts of ROUND, between -1/2 and 1/2 of a turn."""
     turns = angle / (2 * math.pi)
     return np.int32((turns - math.floor(turns + 0.5)) * (ROUND - 1))
 
@@ -183,19 +184,19 @@ def _find_cells(
     along_x: Row,
     along_y: Row,
 ) -> None:
-    """The word of the table in which a ray ends, and where in its cell, by particle.
+    """Find for each particle the cell in which a ray ends, and the place in that cell.
 
-    What is not on the table is cut to its last row or column, which is far from everything.
+    An end outside the table is taken as in its last row or column, which is far from all edges.
     """
     x, y, cosines, sines = places
     ahead, aside, direction = ray
     last_facing, last_row, last_column = last
-    # Rounded to the nearest of the table's directions.
+    # Half a direction more, so that the shift rounds to the nearest one.
     turn = uint32(_parts(float(direction))) + uint32(1 << (FACING_SHIFT - 1))
     for i in range(len(cells)):
         u = x[i] + cosines[i] * ahead - sines[i] * aside
         v = y[i] + sines[i] * ahead + cosines[i] * aside
-        # Below zero is far above it without a sign.
+        # Without a sign, a negative number is a very large one.
         column = min(np.uint32(np.int32(u)), last_column)
         row = min(np.uint32(np.int32(v)), last_row)
         facing = uint32(uint32(uint32(headings[i]) + turn) >> uint32(FACING_SHIFT))
@@ -208,7 +209,7 @@ def _find_cells(
 
 @njit(cache=True, nogil=True)
 def _read(table: Words, cell_pairs: NDArray[np.uint64], word_pairs: NDArray[np.uint64]) -> None:
-    """Words of the table; two at a time are written, as processors write less than they read."""
+    """Read words of the table; written in pairs, as processors write more slowly."""
     for i in range(len(cell_pairs)):
         pair = cell_pairs[i]
         second = uint64(table[pair >> uint64(32)])
@@ -225,7 +226,7 @@ def _add_curve(
     p: Curve,
     sums: Row,
 ) -> None:
-    """Add the curve's value, but for its constant, by words of the table and place in the cell."""
+    """Add p without its constant, at the distances that words and places in their cells give."""
     p1, p2, p3, p4, p5, p6, p7, p8 = p
     for i in range(len(words)):
         word = int32(words[i])

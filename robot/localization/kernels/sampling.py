@@ -1,9 +1,9 @@
 """Many normal random numbers at once, and loops over the weights of particles.
 
 A filter needs six normal numbers for each particle and update. NumPy's generator makes them one
-after the other, 8 ns each. Here each number follows from its place in the row alone, so that the
-compiler works on sixteen at a time: 0.5 ns each. The generator still is the only source of chance:
-it gives the key of the row.
+after the other, in 8 ns each. Here each number depends only on a key and on its index, so that the
+compiler can work on sixteen at a time, in 0.5 ns each. NumPy's generator remains the only source of
+randomness: it draws the key.
 
 Textbook twin of ``comb``: ``low_variance_sampler`` of ``robot.localization.textbook``.
 """
@@ -21,7 +21,7 @@ from robot.geometry import Array
 
 
 def _fit(values: Array, low: float, high: float, places: Array, degree: int) -> list[np.float32]:
-    """Coefficients, lowest first, of the polynomial through values at places from low to high."""
+    """Return the coefficients, lowest first, of a polynomial fitted to values from low to high."""
     fitted = Chebyshev.fit(places, values, degree, [low, high]).convert(kind=Polynomial)
     return [np.float32(coefficient) for coefficient in fitted.coef]
 
@@ -29,11 +29,11 @@ def _fit(values: Array, low: float, high: float, places: Array, degree: int) -> 
 _MANTISSA = np.linspace(1.0, 2.0, 500)
 _SQUARE = np.linspace(1e-9, 0.25, 500)
 _LOG = _fit(np.log(_MANTISSA), 1.0, 2.0, _MANTISSA, 7)
-"""log of 1 to 2, to 4e-7."""
+"""log of numbers from 1 to 2; the error is below 4e-7."""
 _SINE = _fit(np.sin(2 * np.pi * np.sqrt(_SQUARE)) / np.sqrt(_SQUARE), 0.0, 0.25, _SQUARE, 5)
-"""sin(2 pi t) / t by t^2, for half a turn to either side, to 1e-6."""
+"""sin(2 pi t) / t as a polynomial in t^2, for t from -1/2 to 1/2; the error is below 1e-6."""
 _COSINE = _fit(np.cos(2 * np.pi * np.sqrt(_SQUARE)), 0.0, 0.25, _SQUARE, 6)
-"""cos(2 pi t) by t^2."""
+"""cos(2 pi t) as a polynomial in t^2."""
 L0, L1, L2, L3, L4, L5, L6, L7 = _LOG
 S0, S1, S2, S3, S4, S5 = _SINE
 C0, C1, C2, C3, C4, C5, C6 = _COSINE
@@ -41,16 +41,16 @@ _LOG_2 = np.float32(math.log(2.0))
 
 
 def noise_key(rng: np.random.Generator) -> int:
-    """What ``normal_rows`` makes numbers of; 63 bits, which fit what compiled code takes."""
+    """Return a random key for ``normal_rows``: 63 bits, as compiled code takes signed numbers."""
     return rng.bit_generator.random_raw() >> 1
 
 
 @njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
 def _fill(key: np.uint64, result: NDArray[np.float32]) -> None:
-    """Pairs by Box and Muller (1958), from numbers counted and mixed.
+    """Fill an array with normal numbers by Box and Muller (1958).
 
-    The mixing is SplitMix64 (Steele, Lea and Flood 2014): 64 bits, of which one half is the radius
-    and the other the angle.
+    Pair i is made of 64 bits of SplitMix64 (Steele, Lea and Flood 2014), which mixes key and i: one
+    half gives the radius, the other the angle.
     """
     half = len(result) // 2
     first, second = result[:half], result[half:]
@@ -70,20 +70,20 @@ def _fill(key: np.uint64, result: NDArray[np.float32]) -> None:
 
 @njit(cache=True, nogil=True, fastmath=True, error_model="numpy", forceinline=True)
 def _radius(word: np.uint32) -> np.float32:
-    """sqrt(-2 log u) of u = (word + 1/2) / 2^32; the logarithm by exponent and mantissa."""
+    """Return sqrt(-2 log u) for u = (word + 1/2) / 2^32; the log is by exponent and mantissa."""
     number = np.float32(float32(word) + float32(0.5))
     bits = np.float32(number).view(np.int32)
     exponent = float32((bits >> int32(23)) - int32(127 + 32))
     m = np.int32((bits & int32(0x7FFFFF)) | int32(0x3F800000)).view(np.float32)
     log = L0 + m * (L1 + m * (L2 + m * (L3 + m * (L4 + m * (L5 + m * (L6 + m * L7))))))
-    # Rounding may bring the logarithm of one a little above zero.
+    # By rounding, the logarithm of a number near one can be a little above zero.
     minus = float32(-2.0) * (log + exponent * _LOG_2)
     return float32(math.sqrt(max(minus, float32(0.0))))
 
 
 @njit(cache=True, nogil=True)
 def normal_rows(key: int, rows: int, count: int) -> NDArray[np.float32]:
-    """Independent standard normal numbers (rows, count), or one more in each row."""
+    """Return independent standard normal numbers (rows, count or one more)."""
     noise = np.empty((rows, count + count % 2), dtype=np.float32)
     _fill(np.uint64(key), noise.reshape(-1))
     return noise
@@ -91,17 +91,18 @@ def normal_rows(key: int, rows: int, count: int) -> NDArray[np.float32]:
 
 @njit(cache=True, nogil=True)
 def comb(weights: Array, count: int, start: float) -> NDArray[np.int64]:
-    """One walk along the weights: 3 ns a particle, where a search for each takes 33.
+    """Return the indices (count,) of the drawn particles, in one walk along the weights.
 
-    How often a particle is drawn is random, and a processor that guesses wrong waits. So two
-    copies are always written, and then as many kept as there are.
+    It takes 3 ns a particle; a binary search for each takes 33. How often a particle is drawn is
+    random, and a branch on it is predicted wrongly too often. So two copies are always written, and
+    the next particle overwrites those that are too many.
     """
     drawn = np.empty(count + 2, dtype=np.int64)
     per_weight = count / weights.sum()
     edge, tooth, last = 0.0, 0, 0
     for i in range(len(weights)):
         edge += weights[i]
-        # Teeth of the comb that lie below the particle's upper edge.
+        # How many teeth of the comb lie below the particle's upper edge.
         below = min(math.ceil(edge * per_weight - start), count)
         drawn[tooth] = drawn[tooth + 1] = i
         for more in range(tooth + 2, below):
@@ -109,14 +110,14 @@ def comb(weights: Array, count: int, start: float) -> NDArray[np.int64]:
         if below > tooth:
             last = i
         tooth = max(tooth, below)
-    # Rounding may leave the last edge a little low.
+    # By rounding, the last edge can lie a little below the last tooth.
     drawn[tooth:] = last
     return drawn[:count]
 
 
 @njit(cache=True, nogil=True)
 def count_cells(cells: NDArray[np.int64], drawn: NDArray[np.int64]) -> int:
-    """How many different cells there are among those (n,) of the drawn particles."""
+    """Return in how many different cells the drawn particles lie; ``cells`` (n,) are of all."""
     seen = np.zeros(cells.max() + 1, dtype=np.bool_)
     for i in drawn:
         seen[cells[i]] = True
@@ -131,7 +132,7 @@ def tempered(log_likelihood: Array, weights: Array, exponent: float, effective: 
         if weights[i] > 0 and log_likelihood[i] > best:
             best = log_likelihood[i]
     if best == -np.inf:
-        return weights.copy()  # to something that is possible nowhere nothing is to be learnt from
+        return weights.copy()  # no particle can explain the scan: it says nothing of the weights
     new = np.empty_like(weights)
     total, squares = _powers(log_likelihood, best, weights, exponent, new)
     if total * total < effective * squares:
@@ -152,10 +153,10 @@ def tempered(log_likelihood: Array, weights: Array, exponent: float, effective: 
 def _powers(
     log_likelihood: Array, best: float, weights: Array, power: float, new: Array
 ) -> tuple[float, float]:
-    """Fill ``new`` with weights times likelihoods to a power; their sum, and that of squares."""
+    """Fill ``new`` with weights times likelihoods to a power; return its sum and sum of squares."""
     total = squares = 0.0
     for i in range(len(weights)):
-        # Above the best of those that still count nothing can be: there the product would overflow.
+        # A particle without weight may fit better than the best one, and exp would overflow.
         product = weights[i] * math.exp(power * min(log_likelihood[i] - best, 0.0))
         new[i] = product
         total += product

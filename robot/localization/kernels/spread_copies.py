@@ -1,4 +1,7 @@
-"""Copies of particles, spread as wide as their clusters: see ``resampling.regularize``."""
+"""Spreads copies of particles so that each cluster stays as wide as it was.
+
+``resampling.regularize`` says why.
+"""
 
 from __future__ import annotations
 
@@ -15,9 +18,9 @@ from robot.localization.kernels.steps import wrapped
 Noise = NDArray[np.float32]
 
 FEW = 10
-"""Of fewer copies the covariance is chance."""
+"""The covariance of fewer copies says nothing, so they are not stretched to fit it."""
 MOST_STRETCH = 2.0
-"""Copies that happen to lie closer together than this are left as they are."""
+"""Copies that would have to be stretched more than this are left as they are."""
 
 
 @njit(cache=True, nogil=True)
@@ -30,7 +33,7 @@ def spread_copies(
     scale: float,
     key: int,
 ) -> Array:
-    """Return copies (m, 3) of particles, with noise; ``key`` is that of the noise."""
+    """Return noisy copies (m, 3) of the drawn particles; ``key`` is that of ``normal_rows``."""
     columns, ends = _by_cluster(poses, labels, drawn, len(means))
     noise = normal_rows(key, 3, len(drawn))
     start = 0
@@ -53,10 +56,10 @@ def spread_copies(
 def _by_cluster(
     poses: Array, labels: NDArray[np.int64], drawn: NDArray[np.int64], described: int
 ) -> tuple[Array, NDArray[np.int64]]:
-    """Copies (3, m), those of a cluster side by side, and where each cluster's end.
+    """Return the copies (3, m), sorted by cluster, and the end of each cluster in them.
 
-    Those of no described cluster are last. Rows of numbers side by side are what compilers turn
-    into work on eight at a time: spreading takes a third less time by it.
+    Copies of clusters that are not described come last. In this order the compiler can work on
+    eight copies at a time, and spreading takes a third less time.
     """
     ends = np.zeros(described + 1, dtype=np.int64)
     for i in drawn:
@@ -83,7 +86,7 @@ def _add_noise(
     bandwidth: float,
     noise: tuple[Noise, Noise, Noise],
 ) -> tuple[Array, Array]:
-    """Make of poses, in place, offsets from a mean with noise; their own mean and covariance."""
+    """Replace poses by noisy offsets from a mean; return the offsets' own mean and covariance."""
     keep, root = math.sqrt(1 - bandwidth**2), bandwidth * lower_root(covariance)
     xx, yx, yy = root[0, 0], root[1, 0], root[1, 1]
     tx, ty, tt = root[2, 0], root[2, 1], root[2, 2]
@@ -108,7 +111,7 @@ def _add_noise(
 def _place(
     all_x: Array, all_y: Array, all_theta: Array, mean: Array, middle: Array, stretch: Array
 ) -> None:
-    """Make of offsets, in place, poses about a mean, stretched about their own middle."""
+    """Replace offsets by poses about a mean, stretched about the offsets' own middle."""
     xx, yx, yy = stretch[0, 0], stretch[1, 0], stretch[1, 1]
     tx, ty, tt = stretch[2, 0], stretch[2, 1], stretch[2, 2]
     mean_x, mean_y, mean_theta = mean
@@ -122,9 +125,9 @@ def _place(
 
 @njit(cache=True, nogil=True)
 def _as_wide(current: Array, covariance: Array) -> Array:
-    """A matrix (3, 3) by which offsets of one covariance (3, 3) get another.
+    """Return the matrix (3, 3) that gives offsets with the current covariance the wanted one.
 
-    The root of that which is wanted by the inverse of that which is; triangular as they are.
+    It is the lower root of the wanted covariance times the inverse of the current one's.
     """
     have, want = lower_root(current), lower_root(covariance)
     stretch = np.eye(3)
@@ -140,9 +143,9 @@ def _as_wide(current: Array, covariance: Array) -> Array:
 
 @njit(cache=True, nogil=True)
 def lower_root(covariance: Array) -> Array:
-    """The lower triangular matrix (3, 3) whose product with its transpose is a covariance.
+    """Return the Cholesky factor (3, 3) of a covariance, lower triangular.
 
-    Cholesky's; a direction without any spread has a column of zeros.
+    A direction without any spread has a column of zeros.
     """
     root = np.zeros((3, 3))
     for a in range(3):
@@ -151,7 +154,7 @@ def lower_root(covariance: Array) -> Array:
             for c in range(b):
                 rest -= root[a, c] * root[b, c]
             if a == b:
-                # What rounding leaves of nothing is nothing.
+                # A remainder this small is only rounding.
                 root[a, a] = math.sqrt(rest) if rest > 1e-12 * covariance[a, a] else 0.0
             elif root[b, b] > 0:
                 root[a, b] = rest / root[b, b]

@@ -1,7 +1,8 @@
-"""Cosine and sine inside compiled loops over particles.
+"""Motion of particles, with cosine and sine inside compiled loops.
 
-The C library's take 10 ns for the two together; these take 2 ns, as the compiler can put them into
-the loop."""
+Those of the C library take 10 ns together. These take 2 ns, because the compiler can put them into
+the loop.
+"""
 
 from __future__ import annotations
 
@@ -16,9 +17,10 @@ from robot.localization.kernels.sampling import normal_rows
 
 @njit(cache=True, nogil=True, fastmath=True, error_model="numpy", forceinline=True)
 def heading_vector(angle: float) -> tuple[float, float]:
-    """Cosine and sine of an angle [rad] of up to some thousand turns, to 1e-12.
+    """Return cosine and sine of an angle [rad]; the error is below 1e-12 up to a thousand turns.
 
-    Taylor series about the nearest half turn; no branch, so that loops over it need none.
+    They are Taylor series about the nearest half turn. Without a branch, the compiler can work on
+    several particles at a time.
     """
     half = math.floor(angle / math.pi + 0.5)
     t = angle - half * math.pi
@@ -33,9 +35,9 @@ def heading_vector(angle: float) -> tuple[float, float]:
 
 @njit(cache=True, nogil=True, forceinline=True)
 def wrapped(angle: float) -> float:
-    """An angle [rad] in [-pi, pi)."""
+    """Return an angle [rad] in [-pi, pi)."""
     inside = angle - 2 * math.pi * math.floor((angle + math.pi) * (0.5 / math.pi))
-    # By rounding it may come out a little past either end.
+    # By rounding, it can lie a little outside.
     inside = max(inside, -math.pi)
     return inside if inside < math.pi else -math.pi
 
@@ -45,7 +47,7 @@ Parts = tuple[float, float, float, float]
 
 @njit(cache=True, nogil=True, fastmath={"contract", "reassoc", "nsz"}, error_model="numpy")
 def noisy_step(poses: Array, legs: Parts, deviations: Parts, key: int) -> Array:
-    """Noise and motion in one; column by column, so that eight particles are moved at a time."""
+    """Return poses (n, 3) after a noisy step; by columns, eight are moved at a time."""
     turn, ahead, aside, last = legs
     sd_turn, sd_ahead, sd_aside, sd_last = deviations
     noise = normal_rows(key, 4, len(poses))
@@ -63,7 +65,7 @@ def noisy_step(poses: Array, legs: Parts, deviations: Parts, key: int) -> Array:
 
 @njit(cache=True, nogil=True)
 def turn_go_turn(poses: Array, turn: Array, ahead: Array, aside: Array, last: Array) -> Array:
-    """Poses (n, 3) after a step of each its own, given by its parts (n,)."""
+    """Return poses (n, 3) after each made its own step, whose parts are arrays (n,)."""
     moved = np.empty((len(poses), 3))
     for i in range(len(poses)):
         toward = poses[i, 2] + turn[i]
@@ -72,6 +74,6 @@ def turn_go_turn(poses: Array, turn: Array, ahead: Array, aside: Array, last: Ar
         moved[i, 1] = poses[i, 1] + s * ahead[i] + c * aside[i]
         theta = toward + last[i]
         theta -= 2 * math.pi * math.floor((theta + math.pi) / (2 * math.pi))
-        # By rounding it may come out as the full turn.
+        # By rounding, it can be +pi.
         moved[i, 2] = theta if theta < math.pi else -math.pi
     return moved
