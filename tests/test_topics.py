@@ -11,12 +11,11 @@ from engine_runs import EIGHT, kinematic, run
 from hypothesis import given
 from hypothesis import strategies as st
 from ros_messages import topic
-from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from scipy.spatial.transform import Rotation
 
 from app.messages.commands import PingCommand, SetPoseCommand
 from app.ros2.links import Link
-from app.ros2.message_types import definition, from_cdr, message_class, to_cdr, typestore
+from app.ros2.message_types import from_cdr, message_class, to_cdr
 from app.ros2.source import TopicSource
 from app.ros2.topics import TOPICS, Published
 from robot.localization.estimate import Alert, Cause, Integrity, State
@@ -82,17 +81,6 @@ def test_bytes_and_object_are_the_same_message(said, name):
     assert isinstance(published.message, message_class(kind))
     assert to_cdr(from_cdr(published.cdr, kind), kind) == published.cdr
     assert to_cdr(published.message, kind) == published.cdr
-
-
-@pytest.mark.parametrize("one", TOPICS, ids=lambda one: one.name)
-def test_each_type_is_defined_for_who_does_not_know_it(one):
-    read = get_types_from_msg(definition(one.type), one.type)
-    assert one.type in read
-    assert read == {name: typestore().fielddefs[name] for name in read}
-    # Nothing that it is made of is left out.
-    stranger = get_typestore(Stores.EMPTY)
-    stranger.register(read)
-    stranger.generate_msgdef(one.type, ros_version=2)
 
 
 def test_a_scan_is_where_the_scanner_found_tape(said, source):

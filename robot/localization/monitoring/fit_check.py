@@ -18,9 +18,8 @@ MOST_CHANGE = 1.5
 class FitCheck:
     """How well scans fit at the estimate, compared with a place that fits badly."""
 
-    def __init__(self, evidence: RayEvidence) -> None:
-        """Begin with a good fit; ``evidence`` judges rays."""
-        self.evidence = evidence
+    def __init__(self) -> None:
+        """Begin with a good fit."""
         self.restart()
 
     def restart(self) -> None:
@@ -34,15 +33,18 @@ class FitCheck:
         """Whether the last scans fit better at the estimate than at a bad place."""
         return self._mean > 0
 
-    def observe(self, rays: Array, pose: Pose2, expected: Pose2 | None = None) -> None:
+    def observe(
+        self, evidence: RayEvidence, rays: Array, pose: Pose2, expected: Pose2 | None = None
+    ) -> None:
         """Take in a scan's rays (k, 9), and the pose after it.
 
         Args:
+            evidence: judges how well rays fit.
             rays: the scan as ``rays_of`` returns it.
             pose: the robot in the map.
             expected: the last pose, moved on by odometry; None without a last pose.
         """
-        fits = self._gains([pose] if expected is None else [pose, expected], rays)
+        fits = _gains(evidence, [pose] if expected is None else [pose, expected], rays)
         if not fits:
             return
         latest, *before = fits
@@ -52,13 +54,14 @@ class FitCheck:
             worse = min(latest - fit, 0.0) if fit > 0 else 0.0
             self.change = (1 - FORGETTING) * self.change + max(worse, -MOST_CHANGE)
 
-    def _gains(self, poses: list[Pose2], rays: Array) -> list[float]:
-        """Return how much better rays fit at poses than at a bad one; [] if they say nothing."""
-        seeing = rays[~np.isnan(rays[:, 4])]
-        if not len(seeing):
-            return []
-        badly = self.evidence.background_log_likelihood(seeing)
-        places = np.array([pose.to_array() for pose in poses])
-        fits: list[float] = (self.evidence.log_likelihoods(places, seeing) - badly).tolist()
-        nothing = fits[0] == 0 and not np.isfinite(seeing[:, 3]).any()
-        return [] if nothing else fits
+
+def _gains(evidence: RayEvidence, poses: list[Pose2], rays: Array) -> list[float]:
+    """Return how much better rays fit at poses than at a bad one; [] if they say nothing."""
+    seeing = rays[~np.isnan(rays[:, 4])]
+    if not len(seeing):
+        return []
+    badly = evidence.background_log_likelihood(seeing)
+    places = np.array([pose.to_array() for pose in poses])
+    fits: list[float] = (evidence.log_likelihoods(places, seeing) - badly).tolist()
+    nothing = fits[0] == 0 and not np.isfinite(seeing[:, 3]).any()
+    return [] if nothing else fits

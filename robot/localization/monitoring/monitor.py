@@ -74,7 +74,7 @@ class Monitor:
             evidence: judges how well scans fit.
             errors: how large the robot's steady errors may be.
         """
-        self._fit = FitCheck(evidence)
+        self._fit = FitCheck()
         self.use(evidence)
         self._mounting = mounting
         self._measured = np.diag(errors.measured**2)
@@ -111,7 +111,7 @@ class Monitor:
 
     def use(self, evidence: RayEvidence) -> None:
         """Switch to the evidence of other parameters."""
-        self._evidence = self._fit.evidence = evidence
+        self._evidence = evidence
         self._matcher = ScanMatcher(
             evidence.index, evidence.range_max, LAID_SD, LAID_GATE, LAID_SLOPE
         )
@@ -173,7 +173,7 @@ class Monitor:
             roll,
             self._camera.exactness,
         )
-        self._fit.observe(rays, hypothesis.pose, expected)
+        self._fit.observe(self._evidence, rays, hypothesis.pose, expected)
         self._last = hypothesis.pose, odometry
         # At a wrong place, nothing can be learnt about the robot's errors.
         trusted = hypothesis.weight > TRUSTED and self._fit.fits and used > EXPLAINED * returned
@@ -215,7 +215,7 @@ class Monitor:
         Returns:
             Whether the last scans fit.
         """
-        self._fit.observe(rays_of(scan, BEAMS), pose)
+        self._fit.observe(self._evidence, rays_of(scan, BEAMS), pose)
         self.doubt = replace(self.doubt, fits=self._fit.fits and not self._torn)
         return self._fit.fits
 
