@@ -72,7 +72,8 @@ export interface BoardMessage {
 
 /**
  * Drive to calibrate the robot, for a minute. It holds as long as drive does, and continues if
- * renewed. At its end the robot is calibrated by what it saw; ``stop`` leaves it as it was.
+ * renewed. At its end the robot is calibrated by what it saw; ``stop`` leaves the calibration as
+ * it was.
  */
 export interface CalibrateCommand {
   /** Repeated in the answer. */
@@ -82,11 +83,11 @@ export interface CalibrateCommand {
   start?: boolean;
 }
 
-/** The drive of a calibration that runs, or the last one. */
+/** The running drive of a calibration, or the last one. */
 export interface CalibrationDriveMessage {
   /**
-   * drive: it drives; adjust: it stands, and what it saw is adjusted; done: it is calibrated;
-   * failed: it is as it was.
+   * drive: the robot drives; adjust: it stands, and the calibration is computed; done: it is
+   * calibrated; failed: its calibration is as before.
    */
   state: "drive" | "adjust" | "done" | "failed";
   /** How long it has driven [s]. */
@@ -95,7 +96,7 @@ export interface CalibrationDriveMessage {
   whole: number;
   /** After this time ``finish_calibration`` is accepted [s]. */
   fewest: number;
-  /** How often what it saw was adjusted; ``/api/calibration`` has the newest result. */
+  /** How many results there were; ``/api/calibration`` has the newest. */
   adjusted: number;
   /** What is missing so far, or why it failed; null when all is well. */
   message: string | null;
@@ -121,11 +122,11 @@ export interface DeleteStrokeCommand {
   type: "delete_stroke";
   /** Its number, from 0 on, in ``/api/mapping``. */
   stroke: number;
-  /** Of that drawing: in another one, the stroke may have another number. */
+  /** Version of that drawing; in another one, the stroke may have another number. */
   version: number;
 }
 
-/** Forget the map that is drawn, or was. */
+/** Forget the map. */
 export interface DiscardMapCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
@@ -146,11 +147,11 @@ export interface DriveCommand {
 
 /** Who drives. */
 export interface DriverMessage {
-  /** Null while nobody does. */
+  /** Name of the client; null while nobody drives. */
   name: string | null;
   /** Whether it is this connection. */
   mine: boolean;
-  /** Whether a stop holds: drive commands that go on as before it are refused. */
+  /** Whether a stop holds: drive commands that only continue those before it are refused. */
   stopped: boolean;
 }
 
@@ -191,30 +192,33 @@ export interface ExploreCommand {
   start?: boolean;
 }
 
-/** The field, the robot on it, and limits: what a page needs once, and after a calibration. */
+/** The field, the robot on it, and limits: a page needs them once, and again after a calibration. */
 export interface FieldMessage {
   name: string;
   /** xmin, ymin, xmax, ymax [m] of the free part, where robots drive. */
   drive_area: number[];
   /** xmin, ymin, xmax, ymax [m] of ``/api/field.png``. */
   extent: number[];
-  /** Where the camera of the 3D view is at first [m]; it looks at the middle of ``extent``. */
+  /** Where the camera of the 3D view begins [m]; it looks at the middle of ``extent``. */
   view_home: [number, number, number];
   start: PoseMessage;
   /** The robot's outline on the floor [m], in the robot frame. */
   robot_outline: [number, number][];
-  /** When and from what a calibration measured the robot; empty if it is as described. */
+  /** When and by what the robot was calibrated; empty if it is as described. */
   robot_measured: string;
   max_v: number;
   max_omega: number;
-  /** How long a drive command holds that is not renewed [s]. */
+  /** How long a drive command holds if it is not renewed [s]. */
   drive_timeout: number;
   /** Telemetry older than this [s] does not show the present. */
   stale_after: number;
-  /** A longer step from telemetry to telemetry [m] was not driven. */
+  /**
+   * A longer step between two messages of telemetry [m] was not driven: something was put
+   * elsewhere.
+   */
   longest_step: number;
   initial_sd_xy: number;
-  /** Configured spread of a pose that is set without one [m, rad]. */
+  /** Configured spread of a pose that is set without a spread [m, rad]. */
   initial_sd_theta: number;
   image_width: number;
   /** Size of the camera's picture [px]. */
@@ -227,18 +231,15 @@ export interface FieldMessage {
 
 /**
  * Drive the open-loop figure-eight. It holds as long as drive does, and continues if renewed. The
- * robot stands until then; after three seconds the figure-eight begins anew.
+ * robot stands until then; after three seconds the figure-eight begins again.
  */
 export interface FigureEightCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
   type: "figure_eight";
-  /**
-   * Whether to begin anew, and only where it fits: it is refused if the robot would leave the
-   * field.
-   */
+  /** Whether to begin again; it is refused if the robot would leave the field. */
   start?: boolean;
-  /** Along the circles [m/s]; null is as set. It may change on the way. */
+  /** Speed along the circles [m/s]; null means as configured. It may change during the drive. */
   speed?: number | null;
 }
 
@@ -258,7 +259,7 @@ export interface FilterMessage {
   paused: boolean;
   /** Its name, one of those of the parameter ``filter``. */
   kind: string;
-  /** How far it is by hand; null while it works by itself. */
+  /** Progress by hand; null while it works by itself. */
   hand?: HandMessage | null;
   /** Measurement updates since the last set_pose, scatter or reset. */
   updates: number;
@@ -273,8 +274,8 @@ export interface FilterMessage {
 
 /**
  * Take one step of the particle filter by hand. predict: move the particles by odometry up to the
- * newest picture, and by chance. weigh: weigh them by that picture. resample: draw those that go
- * on. Each is possible after the one before it, and predict always.
+ * newest picture, with noise. weigh: weigh them by that picture. resample: draw the particles that
+ * survive. Each follows the one before it; predict is always possible.
  */
 export interface FilterStepCommand {
   /** Repeated in the answer. */
@@ -283,7 +284,7 @@ export interface FilterStepCommand {
   step: "predict" | "weigh" | "resample";
 }
 
-/** Take back the last step by hand: all is as before it, the random numbers to come, too. */
+/** Take back the last step by hand, random numbers included. */
 export interface FilterUndoCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
@@ -327,15 +328,15 @@ export interface GridLineMessage {
   ahead: boolean;
 }
 
-/** How far the filter is by hand. */
+/** Progress of the filter by hand. */
 export interface HandMessage {
-  /** Another one after each step, forwards or back: ``/api/filter_by_hand`` tells of it. */
+  /** Changes with each step, forwards or back; ``/api/filter_by_hand`` has the step. */
   number: number;
   /** The last step; null before the first. */
   last: "predict" | "weigh" | "resample" | null;
   /** How many steps can be taken back. */
   undoable: number;
-  /** Effective sample size of the particles as they stand. */
+  /** Effective sample size of the current particles. */
   effective: number;
   /** How far the wheels have driven since the last prediction, in the robot frame. */
   ahead: PoseMessage;
@@ -349,19 +350,19 @@ export interface HandStepMessage {
   /** xmin, ymin, xmax, ymax [m] of the area that x and y in the clouds span. */
   extent: number[];
   /**
-   * The particles before it, all of them, packed as ``ParticlesMessage.cloud``; empty before the
-   * first step.
+   * All particles before the step, packed as ``ParticlesMessage.cloud``; empty before the first
+   * step.
    */
   before: string;
-  /** The particles as they stand. */
+  /** The particles after it. */
   after: string;
-  /** Of a prediction: where odometry alone had moved each particle; else empty. */
+  /** After predict: where odometry alone would have moved each particle; else empty. */
   noiseless: string;
-  /** Of a resampling: of which particle before it each is a copy, -1 of none; else empty. */
+  /** After resample: the index of each particle's parent, -1 without one; else empty. */
   parents: number[];
-  /** Of a prediction: the step by odometry, in the robot frame. */
+  /** After predict: the step by odometry, in the robot frame. */
   moved: PoseMessage | null;
-  /** Of a prediction: standard deviation of the noise that was drawn, ahead, aside and turned. */
+  /** After predict: standard deviations of the noise: ahead, aside and in heading. */
   noise: PoseMessage | null;
   effective_before: number | null;
   /** Effective sample size. */
@@ -372,7 +373,7 @@ export interface HandStepMessage {
 export interface HeadingsMessage {
   stamp: number;
   thetas: number[];
-  /** Log of the weight at each, against the best one's. */
+  /** Log-weight of each, relative to the best. */
   logs: number[];
   seconds: number;
 }
@@ -397,7 +398,7 @@ export interface HypothesisMessage {
   covariance: number[];
 }
 
-/** How far the estimate can be relied on. */
+/** How far the estimate can be trusted. */
 export interface IntegrityMessage {
   /**
    * certain: one place, with a narrow bound; approximate: one place, with a wide bound or none;
@@ -441,15 +442,15 @@ export interface LandscapeMessage {
   rows: number;
   theta: number;
   /**
-   * Log of the weight at 0 in ``cells``, against the best cell's, which is 255; all below it is 0,
-   * too.
+   * Log-weight of the value 0 in ``cells``, relative to the best cell, which is 255; smaller ones
+   * are 0, too.
    */
   lowest: number;
-  /** base64 of one byte a cell, row by row from the lowest y. */
+  /** base64 of one byte per cell, row by row from the lowest y. */
   cells: string;
   /** The best cell. */
   best: PoseMessage;
-  /** How long it took. */
+  /** How long it took to compute [s]. */
   seconds: number;
 }
 
@@ -465,7 +466,7 @@ export interface LanguageMessage {
   texts: Record<string, string[]>;
 }
 
-/** How much there is of each kind of picture, 0 to 1; all are 1 when nothing is missing. */
+/** How much of each kind of picture there is, 0 to 1; all are 1 when nothing is missing. */
 export interface LensBarsMessage {
   x: number;
   y: number;
@@ -480,11 +481,14 @@ export interface LensCalibrateRequest {
 
 /** What was found in the newest picture that was looked at. */
 export interface LensLookMessage {
-  /** Of its exposure [s]. */
+  /** Stamp of its exposure [s]. */
   stamp: number;
   /** The board's corners; empty if it was not found. */
   corners: [number, number][];
-  /** The picture counts; the board moves; there is one like it; it is of no use. */
+  /**
+   * Whether the picture counts, and if not: the board moves, there is one like it, or it is
+   * useless.
+   */
   verdict: "taken" | "moving" | "known" | "refused";
   /** Why it does not count; empty if it does. */
   words: string;
@@ -497,13 +501,13 @@ export interface LensMessage {
   /** Size of the pictures [px]. */
   height: number;
   pictures: number;
-  /** What it was calibrated by, in words. */
+  /** The board that it was calibrated by, in words. */
   board: string;
-  /** Of all models. */
+  /** How well each model fits. */
   ratings: LensRatingMessage[];
   parameters: LensParameterMessage[];
   corners: [number, number][];
-  /** How far each of the corners was seen from where the lens puts it [px]. */
+  /** Distance of each corner from where the lens projects it [px]. */
   errors: [number, number][];
   outlines: [number, number][][];
   refused: LensRefusalMessage[];
@@ -522,9 +526,9 @@ export interface LensParameterMessage {
 /** How well a model of lenses fits. */
 export interface LensRatingMessage {
   model: string;
-  /** Root mean square error in pictures that it was not adjusted to; null if it failed there. */
+  /** Root mean square error in pictures that were held out [px]; null if it failed there. */
   held_out_px: number | null;
-  /** The same in those that it was adjusted to: the reprojection error. */
+  /** The same in the pictures that it was fitted to: the reprojection error [px]. */
   own_px: number;
 }
 
@@ -539,36 +543,36 @@ export interface LensSaveRequest {
   type: "save";
 }
 
-/** Look for this board, and forget the pictures so far. */
+/** Search for this board, and forget the pictures so far. */
 export interface LensStartRequest {
   type: "start";
   board: BoardMessage;
 }
 
-/** How far a calibration is; sent to all who may drive, after each picture. */
+/** Progress of a calibration; sent after each picture to all clients that may drive. */
 export interface LensStatusMessage {
   type: "lens";
-  /** What is looked for; null before the start. */
+  /** The board that is searched for; null before the start. */
   board: BoardMessage | null;
   look: LensLookMessage | null;
   /** How many pictures count. */
   taken: number;
-  /** So many are needed. */
+  /** How many are needed. */
   least: number;
-  /** Around the board, in each picture that counts. */
+  /** Outline of the board in each picture that counts. */
   outlines: [number, number][][];
-  /** Whether enough corners were seen in each part of the picture, by rows from above. */
+  /** Whether enough corners were seen in each part of the picture, row by row from the top. */
   parts: boolean[][];
   bars: LensBarsMessage;
-  /** What to do next with the board, the most useful first; empty if it is enough. */
+  /** What to do next with the board, the most useful first; empty if nothing is missing. */
   next_steps: string[];
-  /** Whether it calibrates now. */
+  /** Whether the calibration is being computed. */
   busy: boolean;
   /** Why the last request failed; empty if it did not. */
   problem: string;
-  /** How many there were; ``/api/lens`` has the newest. */
+  /** How many lenses were calibrated; ``/api/lens`` has the newest. */
   calibrations: number;
-  /** The file that a save writes; null if there is no real robot. */
+  /** The file that a save writes; null without a real robot. */
   profile: string | null;
   /** Whether the newest lens is in it. */
   saved: boolean;
@@ -586,15 +590,18 @@ export interface LoopMessage {
 
 /** The map that is drawn by driving, or the last one. */
 export interface MappingMessage {
-  /** draw: it grows; finish: all of it is adjusted; done: it can be saved; failed: there is none. */
+  /**
+   * draw: it grows; finish: the whole map is adjusted; done: it can be saved; failed: there is
+   * none.
+   */
   state: "draw" | "finish" | "done" | "failed";
   /** How long the drive is [s]. */
   seconds: number;
-  /** Whether no pictures are taken into the map now. */
+  /** Whether adding pictures to the map is paused. */
   paused: boolean;
-  /** How often it was drawn; ``/api/mapping`` has the newest drawing. */
+  /** How many drawings there were; ``/api/mapping`` has the newest. */
   version: number;
-  /** Of the robot in the new map; null before anything was drawn. */
+  /** The robot's pose in the new map; null before anything was drawn. */
   pose: PoseMessage | null;
   /** What is wrong or missing, or why it failed; null when all is well. */
   message: string | null;
@@ -607,21 +614,21 @@ export interface MoveEndCommand {
   type: "move_end";
   /** Its number, from 0 on, in ``/api/mapping``. */
   stroke: number;
-  /** Whether it is the end of its last point, or that of its first. */
+  /** Whether it is the end at the last point, or the one at the first. */
   last: boolean;
   x: number;
-  /** In the new map. */
+  /** Where to, in the new map [m]. */
   y: number;
-  /** Of that drawing. */
+  /** Version of that drawing. */
   version: number;
 }
 
-/** Go on with a recording in place of the robot, which is let go of: its motors stop. */
+/** Replay a recording in place of the robot, whose motors stop. */
 export interface OpenRecordingCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
   type: "open_recording";
-  /** As ``/api/recordings`` has it. */
+  /** Its name in ``/api/recordings``. */
   name: string;
 }
 
@@ -651,7 +658,7 @@ export interface ParticlesMessage {
   hypotheses: HypothesisMessage[];
   /**
    * How many of them may be the robot's place: 1 if one stands out, more if several look alike, 0
-   * if none does.
+   * if none stands out.
    */
   alike: number;
   /** How many of them are likely enough to be drawn. */
@@ -674,37 +681,37 @@ export interface PauseCommand {
 }
 
 /**
- * Take no pictures into the map that is drawn, or take them again. The wheels tell the robot's way
- * meanwhile.
+ * Stop adding pictures to the map that is drawn, or add them again. The wheels tell the robot's
+ * way meanwhile.
  */
 export interface PauseMapCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
   type: "pause_map";
-  /** Null is the other way than now. */
+  /** Null toggles. */
   paused?: boolean | null;
 }
 
 /**
- * Head of each binary message of ``/api/camera``. The message is the head's length in bytes
- * (uint32, little-endian), the head as JSON, and the picture as JPEG.
+ * Header of each binary message of ``/api/camera``. The message is the header's length in bytes
+ * (uint32, little-endian), the header as JSON, and the picture as JPEG.
  */
 export interface PictureMessage {
   type: "picture";
-  /** Exposure [s]. */
+  /** Stamp of its exposure [s]. */
   stamp: number;
-  /** What the scanner found in this very picture; null if it was not scanned. */
+  /** What the scanner found in this picture; null if it was not scanned. */
   edges: EdgesMessage | null;
 }
 
-/** Do nothing; the answer's stamp serves to align the clocks. */
+/** Do nothing; the stamp of the answer can be used to align clocks. */
 export interface PingCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
   type: "ping";
 }
 
-/** Put the simulated robot itself elsewhere, without telling the filter. */
+/** Put the simulated robot elsewhere; the filter does not learn of it. */
 export interface PlaceCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
@@ -719,33 +726,36 @@ export interface PoseFitMessage {
   x: number;
   y: number;
   theta: number;
-  /** Of the whole scan, up to a constant. */
+  /** Log-likelihood of the whole scan, up to a constant. */
   log_likelihood: number;
   /**
-   * By how much a weight there is multiplied, against the estimate; with all of the scan's worth,
-   * which counts less where hardly a particle would be left.
+   * Factor by which this scan multiplies a weight there, relative to the estimate's. The filter
+   * takes the scan as worth less where hardly a particle would be left.
    */
   weight: number;
-  /** Range that each ray should have there [m]; null where it meets no tape. */
+  /** Expected range of each ray there [m]; null where it meets no tape. */
   expected: (number | null)[];
-  /** Of each ray in the log-likelihood; null if it does not count. Null if that takes too long. */
+  /**
+   * Share of each ray in the log-likelihood, null if the ray does not count; null if computing the
+   * shares takes too long.
+   */
   shares: (number | null)[] | null;
-  /** What is left of the log-likelihood besides the rays' shares: of a model of one's own. */
+  /** Log-likelihood minus the rays' shares; not zero only for models of one's own. */
   rest: number;
 }
 
-/** How the scan by which particles are weighed now fits a pose, and the estimate. */
+/** How the current scan fits a pose, and the estimate. */
 export interface PoseFitsMessage {
-  /** Exposure of the scan's picture [s]. */
+  /** Stamp of the exposure of the scan's picture [s]. */
   stamp: number;
   /** The sensor model. */
   model: string;
   /** Share of the log-likelihood that counts in a weight. */
   power: number;
-  /** How much less ranges are believed, as the particles lie apart [m]. */
+  /** Standard deviation [m] added to the ranges', because the particles lie apart. */
   extra_sd: number;
   bearings: number[];
-  /** Measured [m]; null is no return. */
+  /** Measured ranges [m]; null means no return. */
   ranges: (number | null)[];
   /** Where the rays start, in the robot frame. */
   robot_from_scan: PoseMessage;
@@ -773,7 +783,7 @@ export interface ProblemMessage {
 /** The record of problems, newest last; at most the last hundred. */
 export interface ProblemsMessage {
   problems: ProblemMessage[];
-  /** The calls that led to the present fault of a user's own model, with their lines. */
+  /** The calls that led to the current fault of a user's own model, with their lines. */
   trace?: string;
 }
 
@@ -782,7 +792,7 @@ export interface ProfileMessage {
   stamp: number;
   ray: number;
   bearing: number;
-  /** Floor distance of each sample from the rays' centre [m]. */
+  /** Distance of each sample from the rays' centre, on the floor [m]. */
   distances: number[];
   /** Brightness, 0 to 255. */
   grey: number[];
@@ -832,7 +842,7 @@ export interface RecordingMessage {
   message: string | null;
 }
 
-/** Change how a recording is replayed; what is left out stays as it is. */
+/** Change how a recording is replayed; values that are left out stay as they are. */
 export interface ReplayCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
@@ -855,7 +865,7 @@ export interface ReplayMessage {
   /** Seconds of the recording per second. */
   speed: number;
   paused: boolean;
-  /** Share of the way to the requested time, 0 to 1; null when the replay is there. */
+  /** Progress of a seek to the requested time, 0 to 1; null when the replay is there. */
   catching_up: number | null;
   /** The recorded estimate. */
   estimate_then: PoseMessage | null;
@@ -883,16 +893,19 @@ export interface RobotMessage {
   connected: boolean;
   battery_v: number | null;
   can_be_placed: boolean;
-  /** What is wrong with a simulated robot and was not at the start, by its name in ``/api/faults``. */
+  /**
+   * Faults of a simulated robot that it did not have at the start, by their names in
+   * ``/api/faults``.
+   */
   faults: Record<string, number | string>;
   /**
-   * The robot's clock at the last calibration since the start [s]: ``/api/field`` is another since
-   * then; null before the first.
+   * The robot's clock at the last calibration since the start [s]; ``/api/field`` changed then.
+   * Null before the first.
    */
   calibrated: number | null;
 }
 
-/** Go on with a replay of what was recorded last, with the parameters as they are now. */
+/** Replay the last recording with the current parameters. */
 export interface RunAgainCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
@@ -917,10 +930,10 @@ export interface SaveMapCommand {
 
 /** The newest scan; ``PictureMessage`` has its edges in the picture. */
 export interface ScanMessage {
-  /** Exposure of the frame it comes from [s]. */
+  /** Stamp of its picture's exposure [s]. */
   stamp: number;
   bearings: number[];
-  /** [m]; null is no return. */
+  /** Ranges [m]; null means no return. */
   ranges: (number | null)[];
   /** Where the rays start, in the robot frame. */
   robot_from_scan: PoseMessage;
@@ -938,8 +951,8 @@ export interface ScatterCommand {
 }
 
 /**
- * Change what is known of the robot: how it differs from its description. What is left out stays
- * as it is.
+ * Change what is known of the robot: how it differs from its description. Values that are left out
+ * stay as they are.
  */
 export interface SetCalibrationCommand {
   /** Repeated in the answer. */
@@ -947,20 +960,20 @@ export interface SetCalibrationCommand {
   type: "set_calibration";
   /** Differences by name, in the units of the profile's file [rad, m, s, relative]. */
   values: Record<string, number>;
-  /** Their standard deviations; what has none is as uncertain as in a robot built by hand. */
+  /** Their standard deviations; a value without one is as uncertain as in a robot built by hand. */
   sd?: Record<string, number>;
-  /** When it was measured; null is when the rest was. */
+  /** When it was measured; null means when the other values were. */
   made?: string | null;
-  /** What it was measured from. */
+  /** What it was measured by. */
   source?: string;
 }
 
-/** Change what is wrong with the simulated robot and its camera; the robot goes on. */
+/** Change what is wrong with the simulated robot and its camera, while it drives on. */
 export interface SetFaultsCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
   type: "set_faults";
-  /** By name; ``/api/faults`` lists what can be wrong. */
+  /** Values by name; ``/api/faults`` lists the names. */
   values: Record<string, number | string>;
 }
 
@@ -1009,28 +1022,28 @@ export interface ShowCommand {
   visible: boolean;
 }
 
-/** Draw a map of the floor from now on, however the robot is driven. */
+/** Start to draw a map of the floor, however the robot is driven. */
 export interface StartMapCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
   type: "start_map";
-  /** Whether a map that is drawn already is forgotten; else it is kept, and none begins. */
+  /** Whether to forget the map that there is; otherwise it is kept, and the command is refused. */
   discard?: boolean;
-  /** Whether no pictures are taken into it until ``pause_map`` says so. */
+  /** Whether to begin paused: pictures are added from ``pause_map`` on. */
   paused?: boolean;
 }
 
 /** How far the estimate can be relied on. */
 export type State = "certain" | "approximate" | "ambiguous" | "searching" | "lost";
 
-/** Stand still at once, whatever drives. */
+/** Stop at once, whoever drives. */
 export interface StopCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
   type: "stop";
 }
 
-/** Take the drive from whoever has it, and end a stop that holds. */
+/** Take over from the client that drives, and end a stop that holds. */
 export interface TakeCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
@@ -1079,7 +1092,7 @@ export interface TwistMessage {
   omega: number;
 }
 
-/** Go back to the calibration before the last one by driving; a second undo takes that back. */
+/** Go back to the calibration before the last one; a second undo takes that back. */
 export interface UndoCalibrationCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
@@ -1101,8 +1114,8 @@ export interface UpdateCommand {
 }
 
 /**
- * Go on with another field: a simulated robot is on it, a real one has to be put there. The robot
- * stands meanwhile, and a recording ends.
+ * Switch to another field: a simulated robot is put there; a real one has to be. The robot stands
+ * meanwhile, and a running recording ends.
  */
 export interface UseFieldCommand {
   /** Repeated in the answer. */

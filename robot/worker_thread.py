@@ -70,7 +70,7 @@ class WorkerThread:
         return self.join()
 
     def wait(self, seconds: float) -> bool:
-        """Wait for the end, at most so long [s]; return whether it has ended."""
+        """Wait for the end, at most for a time [s]; return whether it has ended."""
         self._thread.join(seconds)
         return not self.alive
 

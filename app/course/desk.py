@@ -24,7 +24,7 @@ from robot.settings import SettingError
 LOOK_S = 0.15
 """Interval of looking at the file [s]."""
 MOST_KEPT = 100
-"""So many results are kept, for other pages that show the same."""
+"""How many results are kept, for other pages that show the same."""
 
 
 class CheckDesk:

@@ -16,8 +16,8 @@ from robot.interface import Reading
 from robot.localization.estimate import Alert, Cause, State
 
 PATIENCE_S = 0.5
-"""A result is taken so long after its work began [s], on the robot's clock: drives repeat exactly,
-however fast the computer is. It is waited for only if it is not there by then."""
+"""A result is used this long after its work began [s], on the robot's clock, so that drives repeat
+exactly, however fast the computer is. The engine waits only if the result is not there by then."""
 NEAR = 0.02
 """The filter keeps its own pose if it is certain, and nearer than this to the tracker's [m]."""
 CARRIED, CARRIED_TURN = 0.05, 0.5

@@ -33,7 +33,7 @@ from robot.description.urdf import SpecError
 from robot.errors import CommandError
 
 STEP_S = 8.0
-"""After so much more of the drive it is adjusted again [s]."""
+"""The drive is adjusted again after this much more of it [s]."""
 FEWEST_S = 20.0
 """Shortest drive by which the robot is calibrated [s]."""
 STANDING_S = 0.5

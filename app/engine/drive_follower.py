@@ -80,7 +80,7 @@ class DriveFollower:
         self._thread.start()
 
     def wait(self, seconds: float) -> None:
-        """Wait for the end of the work, at most so long [s]."""
+        """Wait for the end of the work, at most for a time [s]."""
         if self._thread is not None:
             self._thread.wait(seconds)
 

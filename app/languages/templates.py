@@ -14,7 +14,7 @@ ROW = re.compile(r"(?:-?\d+(?:\.\d+)?(?:e[+-]?\d+)?(?:, |$)){2,}(?:\.\.\.)?")
 BETWEEN = ("; ", ": ", ". ", ", ")
 """What joins texts that are made apart."""
 DEEPEST = 6
-"""So many texts in each other are looked for: an error quotes an error."""
+"""How deep texts are searched for in each other: an error can quote an error."""
 LOOSE = 2
 """Letters of a text that begins with a value and could be found in nearly any sentence."""
 FEW_WORDS = r"(?:\S+(?: \S+){0,2})?"

@@ -38,7 +38,8 @@ class LanguageMessage(Message):
 
 
 class FieldMessage(Message):
-    """The field, the robot on it, and limits: what a page needs once, and after a calibration."""
+    """The field, the robot on it, and limits: a page needs them once, and again after a
+    calibration."""
 
     name: str
     drive_area: list[float]
@@ -46,23 +47,24 @@ class FieldMessage(Message):
     extent: list[float]
     """xmin, ymin, xmax, ymax [m] of ``/api/field.png``."""
     view_home: tuple[float, float, float]
-    """Where the camera of the 3D view is at first [m]; it looks at the middle of ``extent``."""
+    """Where the camera of the 3D view begins [m]; it looks at the middle of ``extent``."""
     start: PoseMessage
     robot_outline: list[tuple[float, float]]
     """The robot's outline on the floor [m], in the robot frame."""
     robot_measured: str
-    """When and from what a calibration measured the robot; empty if it is as described."""
+    """When and by what the robot was calibrated; empty if it is as described."""
     max_v: float
     max_omega: float
     drive_timeout: float
-    """How long a drive command holds that is not renewed [s]."""
+    """How long a drive command holds if it is not renewed [s]."""
     stale_after: float
     """Telemetry older than this [s] does not show the present."""
     longest_step: float
-    """A longer step from telemetry to telemetry [m] was not driven."""
+    """A longer step between two messages of telemetry [m] was not driven: something was put
+    elsewhere."""
     initial_sd_xy: float
     initial_sd_theta: float
-    """Configured spread of a pose that is set without one [m, rad]."""
+    """Configured spread of a pose that is set without a spread [m, rad]."""
     image_width: int
     image_height: int
     """Size of the camera's picture [px]."""
@@ -80,11 +82,11 @@ class UnknownMessage(Message):
     value: float
     """Difference from the description."""
     interval: float
-    """The true value lies within this of it, in 95 % [same unit]."""
+    """Half of the 95 % interval around the value [same unit]."""
     prior: float
-    """The same for a robot built by hand that nobody measured."""
+    """The same for a robot that was built by hand and not calibrated."""
     learnt: bool
-    """Whether the drive told it."""
+    """Whether the drive determined it."""
 
 
 class CalibrationMessage(Message):
@@ -93,39 +95,39 @@ class CalibrationMessage(Message):
     measured: str
     """When and from what the robot was calibrated; empty if it is as described."""
     undoable: bool
-    """Whether ``undo_calibration`` has something to go back to."""
+    """Whether ``undo_calibration`` can go back to another calibration."""
     unknowns: list[UnknownMessage]
     position: float | None
-    """How far off all of this may lay the robot, in 95 % [m]; null if no drive told it."""
+    """By how much these errors may shift the estimated place, in 95 % [m]; null without a drive."""
     advice: list[str]
-    """Motions that would tell what is not known yet."""
+    """Motions that would determine what is not known yet."""
 
 
 class StrokeMessage(Message):
     """The centre line of a piece of tape."""
 
     points: list[tuple[float, float]]
-    """Along it [m]; a closed one repeats its first point."""
+    """Points along it [m]; a closed line repeats its first point."""
     interval: float
-    """The tape lies within this of it, in 95 %, where that is least certain [m]."""
+    """Half of the 95 % interval across the line, where it is least certain [m]."""
 
 
 class MapDrawingMessage(Message):
-    """The map that is drawn by driving, as far as it is."""
+    """The map that is drawn by driving, as far as it is drawn."""
 
     version: int
-    """As in ``MappingMessage``; 0 without a map."""
+    """Its version, as in ``MappingMessage``; 0 without a map."""
     strokes: list[StrokeMessage]
     path: list[tuple[float, float]]
-    """Of the robot, corrected [m]."""
+    """The robot's path, corrected [m]."""
     edges: list[tuple[float, float]]
     """Some of the points at which edges of tape were seen [m]."""
     unseen_ends: list[tuple[float, float]]
-    """Ends of strokes beyond which nobody has looked [m]; of a finished map."""
+    """In a finished map, ends of strokes that no picture showed [m]."""
     facts: list[str]
     """How well a finished map fits; empty before."""
     remarks: list[str]
-    """What is wrong with a finished map, or may be."""
+    """What is wrong with a finished map, or may be wrong."""
 
 
 class ParameterMessage(Message):
@@ -168,7 +170,7 @@ class ProfileMessage(Message):
     ray: int
     bearing: float
     distances: list[float]
-    """Floor distance of each sample from the rays' centre [m]."""
+    """Distance of each sample from the rays' centre, on the floor [m]."""
     grey: list[float]
     """Brightness, 0 to 255."""
     response: list[float]
@@ -196,7 +198,7 @@ class ProblemsMessage(Message):
 
     problems: list[ProblemMessage]
     trace: str = ""
-    """The calls that led to the present fault of a user's own model, with their lines."""
+    """The calls that led to the current fault of a user's own model, with their lines."""
 
 
 Responses = dict[int | str, dict[str, Any]]

@@ -57,7 +57,7 @@ class UndoCommand(CommandMessage):
 
 
 class PlaceCommand(CommandMessage):
-    """Put the simulated robot itself elsewhere, without telling the filter."""
+    """Put the simulated robot elsewhere; the filter does not learn of it."""
 
     type: Literal["place"]
     x: Metres
@@ -92,18 +92,19 @@ class ResetCommand(CommandMessage):
 class SetCalibrationCommand(CommandMessage):
     """Change what is known of the robot: how it differs from its description.
 
-    What is left out stays as it is.
+    Values that are left out stay as they are.
     """
 
     type: Literal["set_calibration"]
     values: Annotated[dict[str, float], Field(min_length=1, max_length=11)]
     """Differences by name, in the units of the profile's file [rad, m, s, relative]."""
     sd: Annotated[dict[str, float], Field(max_length=11)] = Field(default_factory=dict)
-    """Their standard deviations; what has none is as uncertain as in a robot built by hand."""
+    """Their standard deviations; a value without one is as uncertain as in a robot built by
+    hand."""
     made: AwareDatetime | None = None
-    """When it was measured; null is when the rest was."""
+    """When it was measured; null means when the other values were."""
     source: Annotated[str, Field(max_length=200)] = "a command"
-    """What it was measured from."""
+    """What it was measured by."""
 
 
 class SetParametersCommand(CommandMessage):
@@ -114,17 +115,17 @@ class SetParametersCommand(CommandMessage):
 
 
 class SetFaultsCommand(CommandMessage):
-    """Change what is wrong with the simulated robot and its camera; the robot goes on."""
+    """Change what is wrong with the simulated robot and its camera, while it drives on."""
 
     type: Literal["set_faults"]
     values: Annotated[dict[str, float | str], Field(min_length=1, max_length=32)]
-    """By name; ``/api/faults`` lists what can be wrong."""
+    """Values by name; ``/api/faults`` lists the names."""
 
 
 class UseFieldCommand(CommandMessage):
-    """Go on with another field: a simulated robot is on it, a real one has to be put there.
+    """Switch to another field: a simulated robot is put there; a real one has to be.
 
-    The robot stands meanwhile, and a recording ends.
+    The robot stands meanwhile, and a running recording ends.
     """
 
     type: Literal["use_field"]
@@ -148,15 +149,15 @@ class RecordCommand(CommandMessage):
 
 
 class OpenRecordingCommand(CommandMessage):
-    """Go on with a recording in place of the robot, which is let go of: its motors stop."""
+    """Replay a recording in place of the robot, whose motors stop."""
 
     type: Literal["open_recording"]
     name: Annotated[str, Field(max_length=200)]
-    """As ``/api/recordings`` has it."""
+    """Its name in ``/api/recordings``."""
 
 
 class RunAgainCommand(CommandMessage):
-    """Go on with a replay of what was recorded last, with the parameters as they are now."""
+    """Replay the last recording with the current parameters."""
 
     type: Literal["run_again"]
 
@@ -168,7 +169,7 @@ class CloseRecordingCommand(CommandMessage):
 
 
 class ReplayCommand(CommandMessage):
-    """Change how a recording is replayed; what is left out stays as it is."""
+    """Change how a recording is replayed; values that are left out stay as they are."""
 
     type: Literal["replay"]
     paused: bool | None = None
@@ -181,7 +182,7 @@ class ReplayCommand(CommandMessage):
 
 
 class PingCommand(CommandMessage):
-    """Do nothing; the answer's stamp serves to align the clocks."""
+    """Do nothing; the stamp of the answer can be used to align clocks."""
 
     type: Literal["ping"]
 

@@ -21,7 +21,7 @@ class DriveCommand(CommandMessage):
 
 
 class StopCommand(CommandMessage):
-    """Stand still at once, whatever drives."""
+    """Stop at once, whoever drives."""
 
     type: Literal["stop"]
 
@@ -30,22 +30,21 @@ class FigureEightCommand(CommandMessage):
     """Drive the open-loop figure-eight.
 
     It holds as long as drive does, and continues if renewed. The robot stands until then; after
-    three seconds the figure-eight begins anew.
+    three seconds the figure-eight begins again.
     """
 
     type: Literal["figure_eight"]
     start: bool = False
-    """Whether to begin anew, and only where it fits: it is refused if the robot would leave the
-    field."""
+    """Whether to begin again; it is refused if the robot would leave the field."""
     speed: Annotated[float, Field(ge=0.01, le=2)] | None = None
-    """Along the circles [m/s]; null is as set. It may change on the way."""
+    """Speed along the circles [m/s]; null means as configured. It may change during the drive."""
 
 
 class CalibrateCommand(CommandMessage):
     """Drive to calibrate the robot, for a minute.
 
-    It holds as long as drive does, and continues if renewed. At its end the robot is calibrated by
-    what it saw; ``stop`` leaves it as it was.
+    It holds as long as drive does, and continues if renewed. At its end the robot is calibrated
+    by what it saw; ``stop`` leaves the calibration as it was.
     """
 
     type: Literal["calibrate"]
@@ -60,13 +59,13 @@ class FinishCalibrationCommand(CommandMessage):
 
 
 class UndoCalibrationCommand(CommandMessage):
-    """Go back to the calibration before the last one by driving; a second undo takes that back."""
+    """Go back to the calibration before the last one; a second undo takes that back."""
 
     type: Literal["undo_calibration"]
 
 
 class TakeCommand(CommandMessage):
-    """Take the drive from whoever has it, and end a stop that holds."""
+    """Take over from the client that drives, and end a stop that holds."""
 
     type: Literal["take"]
 

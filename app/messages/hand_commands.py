@@ -20,9 +20,9 @@ class FilterByHandCommand(CommandMessage):
 class FilterStepCommand(CommandMessage):
     """Take one step of the particle filter by hand.
 
-    predict: move the particles by odometry up to the newest picture, and by chance. weigh: weigh
-    them by that picture. resample: draw those that go on. Each is possible after the one before it,
-    and predict always.
+    predict: move the particles by odometry up to the newest picture, with noise. weigh: weigh them
+    by that picture. resample: draw the particles that survive. Each follows the one before it;
+    predict is always possible.
     """
 
     type: Literal["filter_step"]
@@ -30,7 +30,7 @@ class FilterStepCommand(CommandMessage):
 
 
 class FilterUndoCommand(CommandMessage):
-    """Take back the last step by hand: all is as before it, the random numbers to come, too."""
+    """Take back the last step by hand, random numbers included."""
 
     type: Literal["filter_undo"]
 

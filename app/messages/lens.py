@@ -30,7 +30,7 @@ class BoardMessage(Message):
 
 
 class LensStartRequest(Message):
-    """Look for this board, and forget the pictures so far."""
+    """Search for this board, and forget the pictures so far."""
 
     type: Literal["start"]
     board: BoardMessage
@@ -60,17 +60,18 @@ class LensLookMessage(Message):
     """What was found in the newest picture that was looked at."""
 
     stamp: float
-    """Of its exposure [s]."""
+    """Stamp of its exposure [s]."""
     corners: Pixels
     """The board's corners; empty if it was not found."""
     verdict: Literal["taken", "moving", "known", "refused"]
-    """The picture counts; the board moves; there is one like it; it is of no use."""
+    """Whether the picture counts, and if not: the board moves, there is one like it, or it is
+    useless."""
     words: str
     """Why it does not count; empty if it does."""
 
 
 class LensBarsMessage(Message):
-    """How much there is of each kind of picture, 0 to 1; all are 1 when nothing is missing."""
+    """How much of each kind of picture there is, 0 to 1; all are 1 when nothing is missing."""
 
     x: float
     y: float
@@ -79,31 +80,31 @@ class LensBarsMessage(Message):
 
 
 class LensStatusMessage(Message):
-    """How far a calibration is; sent to all who may drive, after each picture."""
+    """Progress of a calibration; sent after each picture to all clients that may drive."""
 
     type: Literal["lens"] = "lens"
     board: BoardMessage | None
-    """What is looked for; null before the start."""
+    """The board that is searched for; null before the start."""
     look: LensLookMessage | None
     taken: int
     """How many pictures count."""
     least: int
-    """So many are needed."""
+    """How many are needed."""
     outlines: list[Pixels]
-    """Around the board, in each picture that counts."""
+    """Outline of the board in each picture that counts."""
     parts: list[list[bool]]
-    """Whether enough corners were seen in each part of the picture, by rows from above."""
+    """Whether enough corners were seen in each part of the picture, row by row from the top."""
     bars: LensBarsMessage
     next_steps: list[str]
-    """What to do next with the board, the most useful first; empty if it is enough."""
+    """What to do next with the board, the most useful first; empty if nothing is missing."""
     busy: bool
-    """Whether it calibrates now."""
+    """Whether the calibration is being computed."""
     problem: str
     """Why the last request failed; empty if it did not."""
     calibrations: int
-    """How many there were; ``/api/lens`` has the newest."""
+    """How many lenses were calibrated; ``/api/lens`` has the newest."""
     profile: str | None
-    """The file that a save writes; null if there is no real robot."""
+    """The file that a save writes; null without a real robot."""
     saved: bool
     """Whether the newest lens is in it."""
 
@@ -113,9 +114,9 @@ class LensRatingMessage(Message):
 
     model: str
     held_out_px: float | None
-    """Root mean square error in pictures that it was not adjusted to; null if it failed there."""
+    """Root mean square error in pictures that were held out [px]; null if it failed there."""
     own_px: float
-    """The same in those that it was adjusted to: the reprojection error."""
+    """The same in the pictures that it was fitted to: the reprojection error [px]."""
 
 
 class LensParameterMessage(Message):
@@ -143,13 +144,13 @@ class LensMessage(Message):
     """Size of the pictures [px]."""
     pictures: int
     board: str
-    """What it was calibrated by, in words."""
+    """The board that it was calibrated by, in words."""
     ratings: list[LensRatingMessage]
-    """Of all models."""
+    """How well each model fits."""
     parameters: list[LensParameterMessage]
     corners: Pixels
     errors: Pixels
-    """How far each of the corners was seen from where the lens puts it [px]."""
+    """Distance of each corner from where the lens projects it [px]."""
     outlines: list[Pixels]
     refused: list[LensRefusalMessage]
     missing: list[str]

@@ -10,24 +10,24 @@ from app.messages.message import CommandMessage, Metres
 
 
 class StartMapCommand(CommandMessage):
-    """Draw a map of the floor from now on, however the robot is driven."""
+    """Start to draw a map of the floor, however the robot is driven."""
 
     type: Literal["start_map"]
     discard: bool = False
-    """Whether a map that is drawn already is forgotten; else it is kept, and none begins."""
+    """Whether to forget the map that there is; otherwise it is kept, and the command is refused."""
     paused: bool = False
-    """Whether no pictures are taken into it until ``pause_map`` says so."""
+    """Whether to begin paused: pictures are added from ``pause_map`` on."""
 
 
 class PauseMapCommand(CommandMessage):
-    """Take no pictures into the map that is drawn, or take them again.
+    """Stop adding pictures to the map that is drawn, or add them again.
 
     The wheels tell the robot's way meanwhile.
     """
 
     type: Literal["pause_map"]
     paused: bool | None = None
-    """Null is the other way than now."""
+    """Null toggles."""
 
 
 class ExploreCommand(CommandMessage):
@@ -55,7 +55,7 @@ class DeleteStrokeCommand(CommandMessage):
     stroke: Annotated[int, Field(ge=0, le=100_000)]
     """Its number, from 0 on, in ``/api/mapping``."""
     version: int
-    """Of that drawing: in another one, the stroke may have another number."""
+    """Version of that drawing; in another one, the stroke may have another number."""
 
 
 class MoveEndCommand(CommandMessage):
@@ -65,12 +65,12 @@ class MoveEndCommand(CommandMessage):
     stroke: Annotated[int, Field(ge=0, le=100_000)]
     """Its number, from 0 on, in ``/api/mapping``."""
     last: bool
-    """Whether it is the end of its last point, or that of its first."""
+    """Whether it is the end at the last point, or the one at the first."""
     x: Metres
     y: Metres
-    """In the new map."""
+    """Where to, in the new map [m]."""
     version: int
-    """Of that drawing."""
+    """Version of that drawing."""
 
 
 class JoinStrokesCommand(CommandMessage):
@@ -85,7 +85,7 @@ class JoinStrokesCommand(CommandMessage):
 
 
 class DiscardMapCommand(CommandMessage):
-    """Forget the map that is drawn, or was."""
+    """Forget the map."""
 
     type: Literal["discard_map"]
 

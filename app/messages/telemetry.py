@@ -49,7 +49,7 @@ class ParticlesMessage(Message):
     """Where the robot may be, heaviest first; empty while nothing is known."""
     alike: int
     """How many of them may be the robot's place: 1 if one stands out, more if several look alike, 0
-    if none does."""
+    if none stands out."""
     likely: int
     """How many of them are likely enough to be drawn."""
     extent: list[float]
@@ -64,10 +64,10 @@ class ScanMessage(Message):
     """The newest scan; ``PictureMessage`` has its edges in the picture."""
 
     stamp: float
-    """Exposure of the frame it comes from [s]."""
+    """Stamp of its picture's exposure [s]."""
     bearings: list[float]
     ranges: list[float | None]
-    """[m]; null is no return."""
+    """Ranges [m]; null means no return."""
     robot_from_scan: PoseMessage
     """Where the rays start, in the robot frame."""
     robot: PoseMessage | None
@@ -84,11 +84,11 @@ class RobotMessage(Message):
     battery_v: float | None
     can_be_placed: bool
     faults: dict[str, float | str]
-    """What is wrong with a simulated robot and was not at the start, by its name in
+    """Faults of a simulated robot that it did not have at the start, by their names in
     ``/api/faults``."""
     calibrated: float | None
-    """The robot's clock at the last calibration since the start [s]: ``/api/field`` is another
-    since then; null before the first."""
+    """The robot's clock at the last calibration since the start [s]; ``/api/field`` changed then.
+    Null before the first."""
 
 
 class LoopMessage(Message):
@@ -103,16 +103,16 @@ class LoopMessage(Message):
 
 
 class HandMessage(Message):
-    """How far the filter is by hand."""
+    """Progress of the filter by hand."""
 
     number: int
-    """Another one after each step, forwards or back: ``/api/filter_by_hand`` tells of it."""
+    """Changes with each step, forwards or back; ``/api/filter_by_hand`` has the step."""
     last: Literal["predict", "weigh", "resample"] | None
     """The last step; null before the first."""
     undoable: int
     """How many steps can be taken back."""
     effective: float
-    """Effective sample size of the particles as they stand."""
+    """Effective sample size of the current particles."""
     ahead: PoseMessage
     """How far the wheels have driven since the last prediction, in the robot frame."""
 
@@ -124,7 +124,7 @@ class FilterMessage(Message):
     kind: str
     """Its name, one of those of the parameter ``filter``."""
     hand: HandMessage | None = None
-    """How far it is by hand; null while it works by itself."""
+    """Progress by hand; null while it works by itself."""
     updates: int
     """Measurement updates since the last set_pose, scatter or reset."""
     undoable: int
@@ -135,7 +135,7 @@ class FilterMessage(Message):
 
 
 class IntegrityMessage(Message):
-    """How far the estimate can be relied on."""
+    """How far the estimate can be trusted."""
 
     state: State
     """certain: one place, with a narrow bound; approximate: one place, with a wide bound or none;
@@ -173,7 +173,7 @@ class ReplayMessage(Message):
     """Seconds of the recording per second."""
     paused: bool
     catching_up: float | None
-    """Share of the way to the requested time, 0 to 1; null when the replay is there."""
+    """Progress of a seek to the requested time, 0 to 1; null when the replay is there."""
     estimate_then: PoseMessage | None
     """The recorded estimate."""
     robot_waits: bool = False
@@ -181,11 +181,11 @@ class ReplayMessage(Message):
 
 
 class CalibrationDriveMessage(Message):
-    """The drive of a calibration that runs, or the last one."""
+    """The running drive of a calibration, or the last one."""
 
     state: Literal["drive", "adjust", "done", "failed"]
-    """drive: it drives; adjust: it stands, and what it saw is adjusted; done: it is calibrated;
-    failed: it is as it was."""
+    """drive: the robot drives; adjust: it stands, and the calibration is computed; done: it is
+    calibrated; failed: its calibration is as before."""
     seconds: float
     """How long it has driven [s]."""
     whole: float
@@ -193,7 +193,7 @@ class CalibrationDriveMessage(Message):
     fewest: float
     """After this time ``finish_calibration`` is accepted [s]."""
     adjusted: int
-    """How often what it saw was adjusted; ``/api/calibration`` has the newest result."""
+    """How many results there were; ``/api/calibration`` has the newest."""
     message: str | None
     """What is missing so far, or why it failed; null when all is well."""
 
@@ -202,16 +202,16 @@ class MappingMessage(Message):
     """The map that is drawn by driving, or the last one."""
 
     state: Literal["draw", "finish", "done", "failed"]
-    """draw: it grows; finish: all of it is adjusted; done: it can be saved; failed: there is
+    """draw: it grows; finish: the whole map is adjusted; done: it can be saved; failed: there is
     none."""
     seconds: float
     """How long the drive is [s]."""
     paused: bool
-    """Whether no pictures are taken into the map now."""
+    """Whether adding pictures to the map is paused."""
     version: int
-    """How often it was drawn; ``/api/mapping`` has the newest drawing."""
+    """How many drawings there were; ``/api/mapping`` has the newest."""
     pose: PoseMessage | None
-    """Of the robot in the new map; null before anything was drawn."""
+    """The robot's pose in the new map; null before anything was drawn."""
     message: str | None
     """What is wrong or missing, or why it failed; null when all is well."""
 
@@ -220,11 +220,11 @@ class DriverMessage(Message):
     """Who drives."""
 
     name: str | None
-    """Null while nobody does."""
+    """Name of the client; null while nobody drives."""
     mine: bool
     """Whether it is this connection."""
     stopped: bool
-    """Whether a stop holds: drive commands that go on as before it are refused."""
+    """Whether a stop holds: drive commands that only continue those before it are refused."""
 
 
 class TelemetryMessage(Message):
@@ -275,14 +275,14 @@ class EdgesMessage(Message):
 
 
 class PictureMessage(Message):
-    """Head of each binary message of ``/api/camera``.
+    """Header of each binary message of ``/api/camera``.
 
-    The message is the head's length in bytes (uint32, little-endian), the head as JSON, and the
+    The message is the header's length in bytes (uint32, little-endian), the header as JSON, and the
     picture as JPEG.
     """
 
     type: Literal["picture"] = "picture"
     stamp: float
-    """Exposure [s]."""
+    """Stamp of its exposure [s]."""
     edges: EdgesMessage | None
-    """What the scanner found in this very picture; null if it was not scanned."""
+    """What the scanner found in this picture; null if it was not scanned."""

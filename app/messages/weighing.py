@@ -1,4 +1,4 @@
-"""Messages of how particles are weighed: single poses, all of the field, and steps by hand."""
+"""Messages on how particles are weighed: at single poses, all over the field, and step by step."""
 
 from __future__ import annotations
 
@@ -12,33 +12,33 @@ class PoseFitMessage(PoseMessage):
     """How the scan fits a pose."""
 
     log_likelihood: float
-    """Of the whole scan, up to a constant."""
+    """Log-likelihood of the whole scan, up to a constant."""
     weight: float
-    """By how much a weight there is multiplied, against the estimate; with all of the scan's
-    worth, which counts less where hardly a particle would be left."""
+    """Factor by which this scan multiplies a weight there, relative to the estimate's. The filter
+    takes the scan as worth less where hardly a particle would be left."""
     expected: list[float | None]
-    """Range that each ray should have there [m]; null where it meets no tape."""
+    """Expected range of each ray there [m]; null where it meets no tape."""
     shares: list[float | None] | None
-    """Of each ray in the log-likelihood; null if it does not count. Null if that takes too
-    long."""
+    """Share of each ray in the log-likelihood, null if the ray does not count; null if computing
+    the shares takes too long."""
     rest: float
-    """What is left of the log-likelihood besides the rays' shares: of a model of one's own."""
+    """Log-likelihood minus the rays' shares; not zero only for models of one's own."""
 
 
 class PoseFitsMessage(Message):
-    """How the scan by which particles are weighed now fits a pose, and the estimate."""
+    """How the current scan fits a pose, and the estimate."""
 
     stamp: float
-    """Exposure of the scan's picture [s]."""
+    """Stamp of the exposure of the scan's picture [s]."""
     model: str
     """The sensor model."""
     power: float
     """Share of the log-likelihood that counts in a weight."""
     extra_sd: float
-    """How much less ranges are believed, as the particles lie apart [m]."""
+    """Standard deviation [m] added to the ranges', because the particles lie apart."""
     bearings: list[float]
     ranges: list[float | None]
-    """Measured [m]; null is no return."""
+    """Measured ranges [m]; null means no return."""
     robot_from_scan: PoseMessage
     """Where the rays start, in the robot frame."""
     asked: PoseFitMessage
@@ -63,14 +63,14 @@ class LandscapeMessage(Message):
     rows: int
     theta: float
     lowest: float
-    """Log of the weight at 0 in ``cells``, against the best cell's, which is 255; all below it is
-    0, too."""
+    """Log-weight of the value 0 in ``cells``, relative to the best cell, which is 255; smaller ones
+    are 0, too."""
     cells: str
-    """base64 of one byte a cell, row by row from the lowest y."""
+    """base64 of one byte per cell, row by row from the lowest y."""
     best: PoseMessage
     """The best cell."""
     seconds: float
-    """How long it took."""
+    """How long it took to compute [s]."""
 
 
 class HeadingsMessage(Message):
@@ -79,7 +79,7 @@ class HeadingsMessage(Message):
     stamp: float
     thetas: list[float]
     logs: list[float]
-    """Log of the weight at each, against the best one's."""
+    """Log-weight of each, relative to the best."""
     seconds: float
 
 
@@ -92,18 +92,18 @@ class HandStepMessage(Message):
     extent: list[float]
     """xmin, ymin, xmax, ymax [m] of the area that x and y in the clouds span."""
     before: str
-    """The particles before it, all of them, packed as ``ParticlesMessage.cloud``; empty before the
-    first step."""
+    """All particles before the step, packed as ``ParticlesMessage.cloud``; empty before the first
+    step."""
     after: str
-    """The particles as they stand."""
+    """The particles after it."""
     noiseless: str
-    """Of a prediction: where odometry alone had moved each particle; else empty."""
+    """After predict: where odometry alone would have moved each particle; else empty."""
     parents: list[int]
-    """Of a resampling: of which particle before it each is a copy, -1 of none; else empty."""
+    """After resample: the index of each particle's parent, -1 without one; else empty."""
     moved: PoseMessage | None
-    """Of a prediction: the step by odometry, in the robot frame."""
+    """After predict: the step by odometry, in the robot frame."""
     noise: PoseMessage | None
-    """Of a prediction: standard deviation of the noise that was drawn, ahead, aside and turned."""
+    """After predict: standard deviations of the noise: ahead, aside and in heading."""
     effective_before: float | None
     effective: float
     """Effective sample size."""

@@ -110,7 +110,7 @@ def hand_message(state: HandState | None) -> HandMessage | None:
 
 
 def packed(cloud: Cloud, extent: Extent, most: int = MOST_PARTICLES) -> str:
-    """Pack at most so many of a cloud as ``ParticlesMessage.cloud`` describes."""
+    """Pack at most this many particles of a cloud as ``ParticlesMessage.cloud`` describes."""
     step = max(1, math.ceil(len(cloud.weights) / most))
     poses, weights = cloud.poses[::step], cloud.weights[::step]
     xmin, ymin, xmax, ymax = extent

@@ -44,7 +44,7 @@ PARTS = (1.0, 0.5, 0.25, 0.1, 0.03, 0.01)
 STILL = 0.03
 """The solution is found if no unknown changes by more than this share of its deviation."""
 NO_ROBOT = 30.0
-"""An unknown farther off than so many deviations of its prior is of no robot: nothing fits."""
+"""An unknown farther off than this many standard deviations of its prior is of no real robot."""
 SAME_COST = 0.1
 """... or if the cost changes by less: that is a third of a standard deviation of one unknown."""
 TYPICAL_SD = 0.0002

@@ -44,13 +44,13 @@ CLEARLY = 40.0
 FEW = 10
 """Iterations of an adjustment that begins at the solution, but from another start."""
 LEAST_SEEN, FAR_OFF = 0.7, 3.0
-"""A path fits if at least this share of the edges that were seen lies on the field's, and they lie
-at most so many times as far off as was expected."""
+"""A path fits if at least the first, a share of the edges that were seen, lies on the field's, and
+they lie at most the second times as far off as expected."""
 TOGETHER, ENOUGH, LEAST_LYING = 10, 100, 0.5
-"""A path is lost where less than this share lies on the field's of the edges that so many pictures
-saw, if these are enough."""
+"""A path is lost where this many pictures saw at least this many edges, and less than this share of
+them lies on the field's, ..."""
 MOST_SLIP = 0.3
-"""... or where a wheel had to slip more than this: seven standard deviations."""
+"""... or where a wheel would have slipped more than this: seven standard deviations."""
 
 
 class Drive:

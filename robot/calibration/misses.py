@@ -14,7 +14,7 @@ from robot.calibration.unknowns import COUNT, LENS, SHIFT, TAPE
 from robot.geometry import Array
 
 NEAR_END = -2
-"""Stands for an edge that is not measured so near to its end."""
+"""Stands for an edge that is not measured there, too near to its end."""
 GRAZING = 0.15
 """Sine of the least angle between a ray and an edge that it measures."""
 
@@ -48,7 +48,7 @@ class Misses:
     by_pixel: Array = field(repr=False)
     """(n, 2) by the pixel [1/px]."""
     near_ends: int
-    """How many more lie so near to an edge's end that they do not count."""
+    """How many more lie too near to an edge's end to count."""
 
 
 def misses(seen: Sightings, floor: FloorPoints, poses: Array, values: Array, gate: float) -> Misses:

@@ -20,21 +20,21 @@ from robot.fields.field import Field
 from robot.geometry import Array
 
 LEAST_WIDTH, LEAST_OFFSET, LEAST_BENT = 0.0003, 0.0012, 0.7
-"""What is told at least: the tape is wider or narrower [m], a stroke lies beside its drawing [m],
-the lens bends rays to the picture's corners more or less [px]."""
+"""Least errors that are reported: of the tape's width [m], of a stroke's place [m], and of how the
+lens bends rays to the picture's corners [px]."""
 SURE = 6.0
-"""... if that is so many standard deviations."""
+"""... if they are at least this many standard deviations."""
 EQUAL = 0.8
 """Strokes are named together if they explain the misses nearly as well: at this share of the
 deviations. Of four sides that form no square, nobody can tell which one is at the wrong place."""
 FAR_OFF = 1.1
-"""Edges that lie so many times as far off as expected are told; half of it is usual."""
+"""Edges are reported if they lie this many times as far off as expected; half of it is usual."""
 LEAST_LENGTH = 0.1
 """Shorter edges are not looked at [m]."""
 ALIKE = 0.02
 """Largest sine of the angle between edges of a stroke."""
 WIDER = 1.2
-"""Edges of a stroke are at most so many times as far apart as the tape is wide."""
+"""Edges of a stroke are at most this many times as far apart as the tape is wide."""
 
 
 def remarks(

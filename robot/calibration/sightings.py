@@ -82,7 +82,7 @@ class Sightings:
         return self._part_of(slice(first, last))
 
     def every(self, step: int) -> Sightings:
-        """Return the sightings of every so many pictures."""
+        """Return the sightings of one in so many pictures."""
         return self._part_of(slice(None, None, step))
 
     def _part_of(self, some: slice) -> Sightings:

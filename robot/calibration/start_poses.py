@@ -128,6 +128,6 @@ def pose_near(pose: Array, covariance: Array, ends: Array, entries: EntryField) 
 
 
 def _lattice(steps: Array, counts: NDArray[np.int64]) -> Array:
-    """Return the points (n, 3) around the origin that are so many steps away, or fewer."""
+    """Return the points (n, 3) around the origin that are at most a number of steps away."""
     axes = [step * np.arange(-count, count + 1) for step, count in zip(steps, counts, strict=True)]
     return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)

@@ -23,7 +23,7 @@ class TapeEdges:
     normals: Array = field(repr=False)
     """(m, 2) toward the floor."""
     margins: Array = field(repr=False)
-    """(m, 2) from the start and from the end of each edge [m]: nobody measures so near to it."""
+    """(m, 2) from the start and from the end of each edge [m]: nothing is measured within that."""
 
     @classmethod
     def of(cls, edges: Array) -> TapeEdges:

@@ -24,7 +24,7 @@ the pose is known exactly."""
 AHEAD = 0.3
 """How far ahead most edges are seen [m]."""
 DOUBT = 5.0
-"""Edges count as if they were so many times less exact: the camera is not known yet."""
+"""Factor on the edges' standard deviations, because the camera is not known yet."""
 NEAR = 0.02
 """Edges much farther off than this count less [m]."""
 STEPS = 6
@@ -32,11 +32,11 @@ SLIP_STEP, TURN_BY_WAY = 0.16, 1.2
 """Standard deviation of a step between two pictures, as a share of it, and of its turn by its way
 [rad/m]: as if all slip were of one step, four times that of a wheel, as slip lasts for a second."""
 UNSURE, TOGETHER, AGAIN_SD = 0.04, 6, np.array([0.012, 0.012, 0.03])
-"""If edges may be farther off than this, after a stretch without tape, so many pictures are laid
-on the field together [m]; and how exact that is [m, m, rad]."""
+"""If edges may be farther off than the first [m], after a stretch without tape, the second is how
+many pictures are laid on the field together, and the third how exact that is [m, m, rad]."""
 LEAST_MATCHED, MOST_MOVED = 0.5, 4.0
-"""A picture tells where the robot is if at least this share of its edges lies on the field's, and
-the pose moves by at most so many standard deviations."""
+"""A picture tells where the robot is if at least the first, a share of its edges, lies on the
+field's, and the pose moves by at most the second, in standard deviations."""
 
 
 def follow_path(

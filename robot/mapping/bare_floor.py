@@ -9,13 +9,13 @@ import numpy as np
 from robot.geometry import Array
 
 BIN = 0.01
-"""Lines are looked at in parts of this length [m]."""
+"""Length of the parts in which lines are examined [m]."""
 FEWEST = 3
-"""A part is bare if so many rays saw bare floor there, and hardly any saw tape."""
+"""A part is bare if at least this many rays saw bare floor there, and hardly any saw tape: ..."""
 HARDLY = 0.2
 """... at most this share of them."""
 SHORTEST_GAP = 0.02
-"""Shorter gaps are none [m]: rays beside the end of other tape miss it."""
+"""Shorter gaps do not count [m]: rays beside the end of other tape miss it."""
 
 
 def gaps(tape: Array, bare: Array, first: float, last: float) -> Iterator[tuple[float, float]]:

@@ -14,7 +14,7 @@ from robot.mapping.ends import ON_EDGE, STEEP, RaysOnFloor
 from robot.mapping.strokes import Stroke
 
 BARE_BEYOND = 0.02
-"""A ray that goes on for so long beyond tape without meeting anything saw bare floor there [m]."""
+"""A ray that goes on this far beyond tape without meeting anything saw bare floor there [m]."""
 MOST_BARE = 0.02
 """Largest share of all rays across tape that may see bare floor; a right map has a tenth of it."""
 BARE_STROKE = 0.2
@@ -46,7 +46,8 @@ class BareFloor:
 
     @property
     def is_lost(self) -> bool:
-        """Whether so many rays contradict it that tape was drawn twice, or its path was lost."""
+        """Whether enough rays contradict it to show that tape was drawn twice, or the path was
+        lost."""
         return self.share > MOST_BARE
 
     @classmethod

@@ -18,21 +18,21 @@ from robot.mapping.bare_floor import gaps
 from robot.mapping.strokes import Stroke, Strokes
 
 BEFORE, BEYOND = 0.12, 0.20
-"""The end is looked for so far before and beyond where the tape was traced to [m]."""
+"""How far before and beyond the end of its trace the end of tape is searched for [m]."""
 STEEP = math.sin(math.radians(25))
 """Sine of the least angle between tape and a ray that crosses it."""
 ON_EDGE = 0.003
-"""A ray enters tape by an edge if it does so within this distance of it [m]; rays that meet other
-tape near there hardly do so by both edges."""
+"""A ray enters tape by an edge if it does so within this distance of the edge [m]. Rays that meet
+other tape near there hardly enter and leave it by both edges."""
 OUTLIERS = 2
-"""So many rays may be wrong."""
+"""How many rays may be wrong."""
 FACE = 0.006
 """Rays meet the end of tape farther than this from its corners [m]."""
 LEAST_FACE, FACE_SD = 6, 0.004
-"""The end is where rays met it, if so many did, and they scatter less than this [m]."""
+"""The end is where rays met it, if at least this many did, and they scatter less than this [m]."""
 BENT, BEND_OFF = 0.08, 0.005
-"""Tape that bends over so much of its end goes on bending: straight ahead of it is where it would
-lie less than this beside [m]."""
+"""Tape that bends over this length of its end [m] is assumed to go on bending. A place is straight
+ahead as long as the tape would lie less than this beside it [m]."""
 
 
 @dataclass(frozen=True)
@@ -81,7 +81,7 @@ class End:
     outward: Array
     """(2,) unit vector along the tape, away from it."""
     lower: float
-    """The tape goes at least so far beyond that place [m]."""
+    """The tape goes at least this far beyond that place [m]."""
     upper: float
     """Beyond this there is bare floor [m]; inf if nobody saw it."""
     face: float

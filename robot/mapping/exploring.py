@@ -28,11 +28,11 @@ SPACING = 0.12
 """Distance of the places that views are chosen from [m]."""
 HEADINGS = 12
 INSIDE = 0.10
-"""Views are so far within the hull of the tape [m]; a robot at one is still within it."""
+"""Views are this far within the hull of the tape [m], so that a robot at one is still within it."""
 BEYOND = 0.12
-"""The tape may go on so far beyond the end of a stroke [m]."""
+"""The tape may go on this far beyond the end of a stroke [m]."""
 END_WEIGHT = 4.0
-"""A cell at the end of a stroke counts as so many."""
+"""How many cells a cell at the end of a stroke is worth."""
 LEAST_GAIN = 6.0
 """A view that shows fewer new cells is not worth the way."""
 WAY_COST, TURN_COST, FIXED_COST = 1.0, 0.15, 0.4
@@ -133,7 +133,7 @@ class _Hull:
         return depth
 
     def grid(self, step: float, depth: float) -> Array:
-        """Return points (n, 2) on a grid that lie so deep inside [m]."""
+        """Return points (n, 2) on a grid that lie at least a depth inside [m]."""
         axes = [np.arange(a, b + step, step) for a, b in zip(self.low, self.high, strict=True)]
         points = np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2)
         inside: Array = points[self.depth(points) >= depth]

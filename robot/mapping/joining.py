@@ -22,23 +22,23 @@ from robot.mapping.stroke_fitting import SPACING as NODES
 from robot.mapping.strokes import Stroke, Strokes
 
 GAP, UNSEEN_GAP = 0.40, 0.12
-"""Strokes that continue each other are one if they are nearer than this [m]; rays have to see the
-tape in between, but for so much of it."""
+"""Strokes that continue each other are one if they are nearer than the first [m]. Rays have to see
+the tape in between, except for the second."""
 OVERLAPPING = 0.4
 """... or overlap by less than this [m]."""
 SMALLEST_RING = 0.6
 """A stroke's own ends are joined if it is longer than this [m]."""
 TURN, TURN_BY_GAP, BEND = math.radians(10), math.radians(200), math.radians(400)
-"""... and if their directions differ by less than this [rad], and by the gap, as tape may bend
-there [rad/m]: more if one of them bends."""
+"""... and if their directions differ by less than the first [rad]. As tape may bend in a gap, the
+limit grows with it by the second [rad/m], or by the third if one of the strokes bends."""
 ASIDE, ASIDE_SHARE = 0.004, 0.08
-"""... and if one lies less beside the other [m], and as a share of the gap."""
+"""... and if one lies less than this beside the other [m], and less than this share of the gap."""
 SLACK = 0.006
-"""Bare floor begins so much farther than it seems, at most [m]."""
+"""Bare floor begins at most this much farther than it seems [m]."""
 SPACING = 0.02
-"""Distance of the points of two strokes that are joined to one [m]."""
+"""Distance of points along two strokes that are joined to one [m]."""
 BRIDGE = 9
-"""A bridge between two strokes has so many nodes."""
+"""Number of nodes of a bridge between two strokes."""
 
 EndName = tuple[int, bool]
 """A stroke's number, and whether it is the last end of it."""

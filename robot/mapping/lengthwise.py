@@ -24,18 +24,19 @@ from robot.mapping.ends import RaysOnFloor
 from robot.mapping.strokes import Stroke
 
 BEYOND, NEAR = 0.012, 0.3
-"""What is farther from known tape than this is not of it [m], if it is seen from this near [m]; in
-proportion more if from farther away, where a pixel is longer."""
+"""Points farther than this from known tape [m] do not belong to it, if they are seen from this
+distance [m]. From farther away, where a pixel is longer, the limit grows in proportion."""
 LINK = 0.06
-"""Points nearer to each other than this are of one thing [m]: so are both sides."""
+"""Points nearer to each other than this belong to one thing [m]; so both sides of tape do."""
 FEWEST, FEWEST_PICTURES = 8, 3
-"""Points of a thing, and pictures that saw it, at least."""
+"""Fewest points of a thing, and fewest pictures that saw it."""
 SCATTER = 0.002
 """Standard deviation of a point [m]; those beyond twice that count less and less."""
 CLOSE, FITTING = 0.004, 0.6
-"""A thing is tape if at least this share of its points lies so close to the outline [m]."""
+"""A thing is tape if at least the second, a share of its points, lies within the first of the
+outline [m]."""
 FEWEST_ON_SIDE = 3
-"""Both sides of it have to be seen so often."""
+"""Fewest points on each side of it."""
 
 
 @dataclass(frozen=True)

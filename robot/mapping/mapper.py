@@ -48,26 +48,27 @@ from robot.mapping.tidying import tidied
 from robot.mapping.tracing import Cells, Middles, trace
 
 WINDOW, WINDOW_SHARE = 8, 0.015
-"""Pictures by which the window grows, and their share of all: long drives are adjusted less often,
-as each time all of the drive is."""
+"""Fewest pictures by which the window grows, and fewest as a share of all. Long drives are adjusted
+less often, because each adjustment is of the whole drive."""
 START_SD, LOOSE_SD = np.array([1e-4, 1e-4, 1e-4]), np.array([1e-3, 1e-3, 3e-3])
 """The map begins where the robot does; it is held there less while it grows [m, m, rad]."""
 WHEELS_SD = np.array([0.02, 0.02, 0.03])
 """Standard deviations of radii and separation of a robot that is as described."""
 KNOWN_SD = 1e-3
-"""Share of a hand-built robot's deviations that the other unknowns have then."""
+"""Standard deviations of its other unknowns, as a share of those of a robot built by hand."""
 RULER_SD = 1e-4
 """Standard deviation of the tape's width where it is the only ruler [m]."""
 LEAST_GATE, MOST_GATE = 0.015, 0.12
-"""Edges farther from the known ones are new [m]: if the pose is exactly known, and at most."""
+"""Edges farther than this from known ones are new [m]: if the pose is exactly known, and at
+most."""
 AHEAD = 0.4
 """How far ahead most edges are seen [m]."""
 LEAST_MATCHED = 0.2
 """A picture tells where the robot is if this share of its edges lies on known ones."""
 LEAST_TURN = 1.0
-"""The wheels have to turn so far [rad]."""
+"""The wheels have to turn at least this far [rad]."""
 ROUNDS = 5
-"""Times that strokes get more nodes, at most."""
+"""How often strokes get more nodes, at most."""
 
 
 class Stage(NamedTuple):
@@ -76,7 +77,7 @@ class Stage(NamedTuple):
     gate: float
     """Edges farther from strokes than this do not count [m]."""
     doubt: float
-    """Edges count as if they were so much less exact."""
+    """Factor on the edges' standard deviations."""
     most: int
     """Most iterations."""
 
@@ -123,7 +124,7 @@ class Mapper:
         self._solution: Solution | None = None
 
     def extend(self, log: DriveLog) -> None:
-        """Take the drive again, which has gone on since; what was mapped so far stays.
+        """Take the drive with what was added since; the map so far is kept.
 
         Raises:
             MappingError: the drive shows no tape, or the robot stood still.
@@ -147,7 +148,7 @@ class Mapper:
         if self._solution is None or total - self.mapped >= WINDOW:
             self.grow(total)
         elif self.mapped < total:
-            # So few are only laid on the strokes: all of the drive is adjusted below.
+            # These few are only laid on the strokes, because the whole drive is adjusted below.
             self._state = self._followed(*self._part(total))
         self._trace(total, FINE_SPACING)
         if not self._strokes.traced:

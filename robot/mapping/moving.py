@@ -11,7 +11,7 @@ from robot.calibration.wheel_motion import WheelMotion
 from robot.description.spec import RobotSpec
 
 STEP_M, STEP_RAD = 0.02, 0.05
-"""A picture is used if the robot moved or turned so far since the last one."""
+"""A picture is used if the robot moved or turned at least this far since the last one."""
 
 
 def moving(log: DriveLog, spec: RobotSpec) -> NDArray[np.intp]:

@@ -7,8 +7,8 @@ import numpy as np
 from robot.geometry import Array
 
 MOST_SLIP, MOST_STEP = 0.3, 6.0
-"""A wheel slips at most by this share, seven standard deviations, and a step is at most so many
-deviations from what the wheels tell."""
+"""A wheel slips at most by the first, a share (seven standard deviations); a step is at most the
+second, in standard deviations, from what the wheels tell."""
 
 
 def moved_at(step_errors: Array, slip: Array, stamps: Array) -> float | None:

@@ -12,7 +12,7 @@ from robot.mapping.strokes import Stroke, Strokes
 SHORT = 0.3
 """Longer strokes are not looked at [m]."""
 LED_ON = 0.1
-"""Tape may go on for so long beyond the end of its stroke [m]."""
+"""Tape may go on this far beyond the end of its stroke [m]."""
 CLOSE = 0.006
 """An edge this near to that of another stroke may be of it [m]."""
 LEAST_OWN = 0.3

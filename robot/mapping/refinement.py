@@ -13,9 +13,10 @@ from robot.mapping.stroke_fitting import DENSEST
 from robot.mapping.strokes import Stroke, Strokes
 
 PARTS = 4
-"""Each span between two nodes is looked at in so many parts."""
+"""Parts into which each span between two nodes is divided."""
 ENOUGH = 12
-"""A part tells if at least so many edges were seen in it, from so many pictures, over three."""
+"""A part counts if at least this many edges were seen in it, from at least a third as many
+pictures."""
 STEADY = 0.00012
 """Mean distance from which on the edges lie beside a stroke [m]; on a straight one, twice it."""
 

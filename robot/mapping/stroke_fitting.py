@@ -11,7 +11,7 @@ from robot.mapping.strokes import Stroke
 STRAIGHT = 0.003
 """A line is straight if none of its points lies farther off [m]."""
 HOOK = 0.04
-"""At so much of its ends a line may bend off: corners of tape look round [m]."""
+"""Length at its ends where a line may bend off [m], because corners of tape look round."""
 SHORTEST = 0.05
 """A shorter line is no stroke [m]."""
 SPACING, FINE_SPACING, DENSEST = 0.08, 0.05, 0.024

@@ -16,10 +16,10 @@ from robot.fields.edges import normals
 from robot.geometry import Array
 
 FINE = 5e-5
-"""Curves are cut into lines that lie at most about so far beside them [m]."""
+"""Curves are divided into lines that lie at most about this far beside them [m]."""
 NODES_NEAR = 12
-"""A place on a curve depends on so many nodes; by those farther off it moves by less than a
-thousandth of their way."""
+"""A place on a curve depends on this many nodes. If a node farther off moves, the place moves by
+less than a thousandth of that."""
 LEAST_SPAN = 0.02
 """A curve that goes on for longer than this gets one more node [m]."""
 OVERLAP = 0.002

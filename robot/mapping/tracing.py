@@ -19,7 +19,7 @@ from robot.geometry import Array
 CELL = 0.012
 """Side of a cell [m]."""
 DIRECTIONS = 6
-"""Cells keep lines of so many directions apart, so that those that cross do not mix."""
+"""Number of directions whose lines have cells of their own, so that lines that cross do not mix."""
 STRIDE = 1 << 24
 """More cells than any map has side by side."""
 LEAST_SURE = 1 / 6
@@ -33,8 +33,8 @@ REACH = 0.05
 BEND = math.radians(28)
 """... and if its direction there differs by less than this [rad]."""
 CORNER, SHARP = 5, math.radians(50)
-"""A line that turns by so much within so many points goes round a corner, and ends before it: tape
-does not bend so sharply."""
+"""A line that turns by this angle [rad] within this many points goes round a corner, and ends
+before it: tape does not bend as sharply."""
 ASIDE = 0.014
 """Cells within this distance of a line belong to it [m]."""
 
@@ -97,7 +97,7 @@ class Cells:
 
     @classmethod
     def of(cls, middles: Middles, least_pictures: int, *, sparse: bool) -> Cells:
-        """Return the cells that at least so many pictures saw.
+        """Return the cells that at least this many pictures saw.
 
         Args:
             middles: what pictures saw.

@@ -30,7 +30,8 @@ START_S = 20.0
 QUICK_S, COMPILING_S = 3.0, 15.0
 """Processor time of one call [s]; where numba is used, the first call of a function compiles it."""
 PATIENCE = 10.0
-"""A call may take so many times that by the clock: the machine may be busy, or the code asleep."""
+"""A call may take this many times as long by the clock: the machine can be busy, or the code
+asleep."""
 LOOK_S = 0.25
 """Interval of looking how much processor time a call has used [s]."""
 MOST_CALLS = 20_000

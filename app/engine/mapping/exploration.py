@@ -10,7 +10,7 @@ from robot.mapping.exploring import Explorer
 from robot.mapping.sketch import Sketch
 
 LATEST_S = 2.0
-"""A route is planned when the map has what the robot saw so far, or after so long [s]."""
+"""A route is planned when the map has all that the robot saw so far, or after this time [s]."""
 
 
 class Exploration:

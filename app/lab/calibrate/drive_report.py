@@ -17,7 +17,7 @@ from robot.geometry import Array
 
 TEMPLATE = "drive.html.jinja"
 LENGTHENED = 300.0
-"""Errors are drawn so many times as long."""
+"""Errors are drawn this many times as long."""
 CELL, LEAST_IN_CELL = 40, 20
 """Side of the picture's parts [px], and how many edges have to be seen in one."""
 MOST_POINTS = 2000

@@ -17,7 +17,7 @@ from robot.calibration.lens.lens_calibration import LensCalibration
 
 TEMPLATE = "lens.html.jinja"
 LENGTHENED = 100.0
-"""Errors are drawn so many times as long."""
+"""Errors are drawn this many times as long."""
 BLUE, RED = "#0072b2", "#d55e00"
 
 

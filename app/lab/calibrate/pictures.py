@@ -21,7 +21,7 @@ from robot.settings import SettingError
 SQUARES, SIZE, KIND = "10x7", 0.025, "chessboard"
 """The usual board."""
 SAME = 3.0
-"""A board that fits a picture so many times worse than another is not the one."""
+"""A board that fits a picture this many times worse than another is not the one."""
 MOST_PIXELS = 60_000_000
 """Larger pictures are refused."""
 

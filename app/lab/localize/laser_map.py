@@ -152,7 +152,8 @@ class FreeWay:
     weight: float
     """Of the ways, beside the ends."""
     margin: float
-    """So far before its end a way is looked at no more [m]: walls of maps are thicker than real."""
+    """A way is examined up to this distance before its end [m]: walls in maps are thicker than
+    real."""
 
     def log_likelihood(self, poses: Array, scan: Scan) -> Array:
         """Log-likelihood (n,) of a scan at poses (n, 3), up to a constant."""

@@ -24,7 +24,7 @@ from robot.mapping.moving import moving
 from robot.mapping.tape_map import MappingError
 
 STEP_M, STEP_RAD = 0.3, 0.2
-"""A laser's scan is used if the robot moved or turned so far since the last one."""
+"""A laser's scan is used if the robot moved or turned at least this far since the last one."""
 REACH_M = 20.0
 """Walls that are farther away are not drawn [m]: an error of the heading moves them too far."""
 

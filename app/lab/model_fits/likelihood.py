@@ -17,8 +17,8 @@ from robot.geometry import Array
 NORMAL_95 = 1.959964
 """95 % of a normal distribution lie within this many standard deviations."""
 NONE_SEEN = math.log(20)
-"""A share of which none was seen may be so large that seeing none had a chance of 5 %: the rule of
-three."""
+"""If none was seen, the share is at most the one with which seeing none has a chance of 5 % (rule
+of three)."""
 WELL_KNOWN = 0.5
 """Up to this standard deviation of its logarithm, a value's logarithm is taken as normal."""
 FLAT = 1e-9

@@ -29,7 +29,7 @@ TRUTH, ODOMETRY = (0, 105, 79), (168, 50, 4)
 RAY, HIT = (168, 98, 0), (176, 16, 107)
 """As the page's map has them: --floor-truth and its neighbours in style/tokens.css."""
 PICTURE_TICKS = 3
-"""It is renewed each so many updates: five times a second."""
+"""The picture is renewed once in this many updates: five times a second."""
 HEADINGS = 150
 """About this many particles are drawn with their heading."""
 FAR_AWAY = -100.0

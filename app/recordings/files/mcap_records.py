@@ -155,10 +155,10 @@ CHUNK_SIZES = struct.Struct("<QIIs")
 and that name's first letter."""
 
 BLOCK = 1 << 22
-"""So much of the file is searched at a time [bytes]."""
+"""How much of the file is searched at a time [bytes]."""
 
 MOST_TRIED = 1000
-"""So many places that look like a chunk are tried: in a hostile file all look so."""
+"""How many places that look like a chunk are tried: in a hostile file, all of them do."""
 
 
 def size_of(file: BinaryIO) -> int:

@@ -26,7 +26,7 @@ NAMES = (
     ("lower left corner", "lower left part", "lower right part", "lower right corner"),
 )
 LEAST_CORNERS = 3
-"""So many corners in a part are enough."""
+"""How many corners in a part are enough."""
 TILT = math.radians(20)
 """A board counts as tilted from here on [rad]."""
 TILTS = {

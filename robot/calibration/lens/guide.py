@@ -15,7 +15,7 @@ from robot.calibration.lens.sighting import Grey, Sighting, SightingError, find_
 from robot.geometry import Array
 
 STILL = 0.015
-"""A board is still whose corners move by less than this share of the picture's diagonal in a
+"""A board is still if its corners move by less than this share of the picture's diagonal in a
 second: 12 px/s at 640 x 480 px, which shear the picture of a rolling shutter of 20 ms by 0.25 px.
 """
 LONGEST_GAP_S = 2.0
@@ -23,7 +23,7 @@ LONGEST_GAP_S = 2.0
 USUAL_GAP_S = 0.5
 """In a longer gap it may move no farther than in this [s]: a slow computer looks rarely."""
 NEW = 0.2
-"""A picture is new that differs from all others by so much in place, size and tilt together."""
+"""A picture is new if it differs from all others by this in place, size and tilt together."""
 KNOWN = "there is a picture like this: move it or tilt it"
 USUAL_PICTURES = 15
 """With fewer pictures one more is always asked for."""

@@ -32,19 +32,21 @@ MODELS = ("plumb_bob", "equidistant", "rational_polynomial")
 LEAST_PICTURES = 6
 """With fewer pictures, little is left to judge a lens by."""
 FOLDS = 5
-"""The pictures are held out in so many parts."""
+"""Number of parts in which pictures are held out."""
 WORSE = 1.02
-"""A simpler model that errs by so little more is as good."""
+"""A simpler model is as good if its error is at most this many times as large."""
 POOR_PX = 2.0
-"""A lens that is farther off in held-out pictures is none [px]."""
+"""A lens that is farther off in held-out pictures is refused [px]."""
 FAR_OFF, FAR_OFF_PX = 3.0, 0.5
-"""A picture is refused that errs so many times as much as usual, and by so much [px]."""
+"""A picture is refused if its error is this many times the usual one, and at least this large
+[px]."""
 MIRRORED = 0.7
 """It is mirrored if, turned round, it errs by less than this share."""
 BLURRED, BLURRED_PX = 1.6, 4.0
-"""A picture is blurred whose edges are so many times as wide as usual, and so wide [px]."""
+"""A picture is blurred if its edges are this many times as wide as usual, and at least this wide
+[px]."""
 REPEATED = 0.005
-"""Pictures in which the corners lie apart by less than this share of the diagonal are the same."""
+"""Pictures are the same if their corners differ by less than this share of the diagonal."""
 
 
 class LensError(BrickPoseError, ValueError):

@@ -35,7 +35,7 @@ the camera moved or is out of focus."""
 RIGHT = 0.8
 """Share of the corners that must lie on one grid."""
 GOES_ON = 0.7
-"""A saddle at least so strong, by those of the corners, is one more corner."""
+"""A saddle at least this strong, relative to those of the corners, is another corner."""
 
 
 class SightingError(BrickPoseError, ValueError):

@@ -29,7 +29,7 @@ from robot.scanning.tape_edges import Verdict
 PLACED_SD = np.array([0.001, 0.001, math.radians(0.3)])
 """How well a board is laid by hand where it is said to lie [m, m, rad]."""
 LEAST_SD_PX = 0.05
-"""Corners scatter by so much at least [px]: some errors of a picture are common to all corners."""
+"""Corners scatter by at least this [px]: some errors of a picture are common to all corners."""
 FAR_OFF_PX = 2.0
 """Corners that lie farther off [px] are of a bent board, or seen through another lens."""
 TURNED = math.radians(60)

@@ -19,7 +19,7 @@ STEP = 0.005
 MARGIN = -20.0
 """Lines end this far outside of the picture [px]."""
 LABEL_MARGIN = 12.0
-"""Distances stand at least so far inside of it [px]."""
+"""Distances stand at least this far inside of it [px]."""
 
 
 @dataclass(frozen=True, slots=True)

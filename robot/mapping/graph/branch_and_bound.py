@@ -80,7 +80,7 @@ def branch_and_bound(
         place: (2,) the window's middle, and ``heading`` [rad].
         points: (n, 2) of the scan.
         half: (2,) how far the window reaches from its middle, whole cells.
-        step: between headings [rad]; so many ``turns`` of these are tried to either side.
+        step: between headings [rad]; ``turns`` of them are tried to either side.
         inverse_sd: (3,) of the supposed pose, by cell, cell and step.
         least: score that has to be exceeded, and which is returned if none does.
     """
@@ -176,7 +176,8 @@ def _bound(
     turn: int,
     inverse_sd: Array,
 ) -> float:
-    """Return how well points fit at most, if moved by so much or less than a side farther."""
+    """Return how well points fit at most, moved to a square's corner or less than a side
+    farther."""
     total = 0.0
     for i in range(len(cells)):
         row, column = cells[i, 1] + y, cells[i, 0] + x

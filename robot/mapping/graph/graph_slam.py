@@ -20,15 +20,15 @@ from robot.mapping.graph.wall_drawing import WallDrawing
 from robot.mapping.grid.beams import Beams
 
 EVERY = 2
-"""Loops are looked for at each so many scans."""
+"""Loops are searched for once in this many scans."""
 ROUNDS = (0.4, 0.3, 0.2)
 """At the end all scans are matched with those nearby, with ever narrower gates [m]."""
 REACH_M, REACH_RAD = 4.0, 1.6
 """Scans that were taken nearer than this are matched."""
 LINKS = 10
-"""... but of each only with so many."""
+"""... but each only with this many."""
 BLOCK = 4
-"""At most one of so many that follow each other."""
+"""At most one of this many successive scans."""
 
 
 @dataclass(frozen=True)

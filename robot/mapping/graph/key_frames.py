@@ -16,11 +16,11 @@ from robot.mapping.graph.surfaces import Surfaces
 from robot.scan import evenly
 
 FEWEST = 10
-"""A scan tells where the robot is if so many of its beams met something."""
+"""A scan tells where the robot is if at least this many of its beams met something."""
 MOST_POINTS = 150
-"""Points of a scan that are compared with a field."""
+"""How many points of a scan are compared with a field."""
 LEAST_SHARE = 0.6
-"""Of the points that two scans have in common, so many have to lie on each other."""
+"""Share of the points in sight of both scans that have to lie on each other."""
 LEAST_COMMON = 0.25
 """Share of a scan's points that have to lie on the other scan."""
 

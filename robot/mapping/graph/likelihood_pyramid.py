@@ -13,11 +13,11 @@ from robot.geometry import Array
 CELL = 0.05
 """Side of a cell [m]."""
 SD = 0.08
-"""How far beside a surface a point fits half as well or so [m, standard deviation]."""
+"""Distance from a surface at which a point fits half as well, about [m, standard deviation]."""
 MARGIN = 0.4
 """Of the field around its surfaces [m]."""
 BITS = 4
-"""Lines are drawn to so many binary places of a cell."""
+"""Lines are drawn with this many binary places of a cell."""
 Levels = NDArray[np.float32]
 
 
@@ -54,7 +54,7 @@ class LikelihoodPyramid:
 
 
 def _best_of_four(finer: Levels, coarser: Levels, apart: int) -> None:
-    """Write the best of the squares that begin at a cell, and so many cells above and right."""
+    """Write the best of four squares: at a cell, ``apart`` cells above, right, and both."""
     wide = finer.copy()
     np.maximum(wide[:, :-apart], finer[:, apart:], out=wide[:, :-apart])
     coarser[:] = wide

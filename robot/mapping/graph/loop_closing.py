@@ -1,4 +1,4 @@
-"""Finds where a robot has been before, and refuses what only looks so."""
+"""Finds places where a robot has been before, and refuses those that only look alike."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from robot.mapping.graph.constraints import Constraint
 from robot.mapping.graph.key_frames import KeyFrames, search
 
 OLD = 25
-"""A loop leads to a scan that is so many older."""
+"""A loop leads to a scan that is at least this many scans older."""
 CHAIN = 10
-"""Scans that follow each other and are looked at together."""
+"""How many successive scans are examined together."""
 RECENT = 4
-"""Newest scans that are laid on them together."""
+"""How many of the newest scans are laid on them together."""
 NEAR_M = 4.0
-"""Loops are looked for so near, and farther by what the graph does not know."""
+"""Loops are searched for within this distance [m], and farther by the graph's uncertainty."""
 MOST_CHAINS = 3
-"""Chains that are looked at for a scan."""
+"""How many chains are examined for a scan."""
 DEVIATIONS = 4.0
-"""How far a window reaches."""
+"""How far a window reaches, in standard deviations."""
 WIDEST = np.array([6.0, 6.0, 1.0])
-"""... but at most so far [m, m, rad]."""
+"""... but at most this far [m, m, rad]."""
 LEAST = np.array([0.2, 0.2, 0.08])
 LEVELS = 6
 """Resolutions of the field."""
@@ -35,17 +35,17 @@ GATE = 0.3
 MATCHES = 4
 """Most scans of a chain that are matched one by one, and ..."""
 FEWEST_MATCHES = 2
-"""so many have to fit."""
+"""this many have to fit."""
 AGREEMENT = (0.15, 0.04)
 """Loops agree if they move a pose alike within this [m, rad], and ..."""
 AGREEMENT_STEP = (0.02, 0.004)
-"""... so much more for each scan that lies between them."""
+"""... and this much more for each scan that lies between them."""
 PATIENCE = 15
-"""A loop is confirmed by another one within so many scans."""
+"""A loop is confirmed by another one within this many scans."""
 FITTING = 4.0
 """A loop whose squared residual is below this needs no adjustment at once."""
 REST = 5
-"""After a loop was closed, the next is looked for so many scans later."""
+"""After a loop was closed, the next is searched for this many scans later."""
 OUTLIER = 25.0
 """A loop is wrong if its squared residual stays above this, in deviations."""
 

@@ -16,18 +16,18 @@ from robot.scan import evenly
 RADIUS = 0.25
 """A surface's direction is that of the ends around a point, up to this distance [m]."""
 FEWEST = 2
-"""... and of at least so many to either side, where beams are far apart."""
+"""... and of at least this many to either side, where beams are far apart."""
 GAP = 0.2
 """Neighbouring ends are of one surface if they are nearer than this [m] ..."""
 SLANT = 7.0
-"""... or than so many times the distance of neighbouring beams there: aslant they meet a surface
-that far apart."""
+"""... or nearer than this many times the distance of neighbouring beams there: beams that meet a
+surface aslant do so far apart."""
 ROUGH = 0.05
-"""Ends that lie farther beside a line [m, standard deviation] are of no wall."""
+"""If ends scatter more than this about a line [m, standard deviation], there is no wall."""
 RANGE_SD = 0.01
 """Least standard deviation of an end [m]."""
 MOST = 240
-"""Ends of a scan that are used; neighbours err alike."""
+"""How many ends of a scan are used; neighbours have the same errors."""
 
 
 class Surfaces(NamedTuple):

@@ -13,19 +13,19 @@ from robot.mapping.graph.likelihood_pyramid import CELL
 from robot.mapping.graph.surfaces import Surfaces
 
 LOCAL = 10
-"""The local map is of so many scans."""
+"""How many scans the local map is made of."""
 LEVELS = 4
 """Resolutions of its field."""
 NEIGHBOURS = 4
-"""Of these so many are matched one by one."""
+"""How many of these are matched one by one."""
 SURE = 0.5
 """A fit on the local map below this is looked for farther away, too: odometry may have jumped."""
 JUMP = np.array([1.5, 1.5, 0.8])
-"""How far away [m, m, rad]."""
+"""How far away it is searched for [m, m, rad]."""
 GATE = 0.3
 """Largest distance of points that belong together [m]."""
 PRIOR_SD = np.array([0.01, 0.01, 0.01])
-"""Of odometry, at least [m, m, rad]."""
+"""Least standard deviations of odometry [m, m, rad]."""
 
 
 def track(frames: KeyFrames, moved: Pose2, motion: MotionModel, surfaces: Surfaces) -> None:

@@ -16,9 +16,9 @@ FREE, TAKEN, MOST = -0.4, 0.85, 4.0
 """Log odds that a beam adds to a cell that it runs through, to one that it meets, and the largest
 that a cell may have: later beams can still change it (Probabilistic Robotics, Table 9.1)."""
 NEIGHBOURS = 1
-"""What a beam met is looked for so many cells around its end."""
+"""How many cells around its end are searched for what a beam met."""
 FEWEST_ENDS = 3
-"""So few ends of beams tell no direction of a wall."""
+"""Fewest ends of beams that tell a wall's direction."""
 RANDOM = 0.05
 """Share of beams that meet anything, such as people: none counts more than that against a pose."""
 

@@ -21,9 +21,9 @@ from robot.mapping.grid.climbing import climbed
 from robot.scan import evenly
 
 BLOCK = 32
-"""Maps grow by so many cells at once."""
+"""How many cells a map grows by at once."""
 FEWEST_MET = 5
-"""A scan tells where the robot is if so many of its beams met something."""
+"""A scan tells where the robot is if at least this many of its beams met something."""
 
 
 @dataclass(frozen=True)

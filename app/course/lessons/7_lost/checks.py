@@ -25,7 +25,7 @@ LIKELY = 6.0
 NEAR_M, NEAR_RAD = 0.1, 0.5
 """Particles this near to the heaviest belong to its place."""
 CORNERS = 4
-"""The field is parted into so many columns, rows and headings to look for empty places."""
+"""Columns, rows and headings into which the field is divided to look for empty places."""
 
 
 def cases(seed: int) -> list[Case]:

@@ -22,8 +22,8 @@ ENDINGS = (".log", ".clf", ".log.gz", ".clf.gz")
 NO_RETURN_M = 80.0
 """CARMEN writes the laser's greatest range for beams without a return; SICK's are 81.9 m."""
 MOST_ALIKE = 8
-"""Of other lasers that greatest range is not known. But no wall is met by so many beams at the same
-range, to the centimetre, that is also the greatest of a scan."""
+"""The greatest range of other lasers is not known. But if this many beams have the same range, to
+the centimetre, and it is the greatest of the scan, they met no wall."""
 OFFSET = "robot_frontlaser_offset"
 """Parameter that tells how far ahead of the robot's middle the laser sits [m]."""
 
@@ -73,7 +73,7 @@ def _front_laser(words: list[str], offset: float) -> Measurement:
     count = int(words[1])
     ranges = _numbers(words[2 : 2 + count], count)
     poses = _numbers(words[2 + count : 8 + count], 6)
-    # With 180 or 360 beams the half turn is cut in so many parts; with 181 its end has one, too.
+    # 180 or 360 beams divide half a turn into as many parts; with 181 there is one at its end, too.
     fan = math.pi
     bearings = -fan / 2 + np.arange(count) * fan / (count - count % 2)
     measured = _measurement(float(words[8 + count]), bearings, ranges, poses)
