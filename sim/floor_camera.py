@@ -57,7 +57,7 @@ class CameraSettings:
     )
     floor_scale: float = setting(
         1.0,
-        "How much larger the floor is than its drawing: nobody tapes exactly",
+        "How much larger the taped floor is than its drawing",
         low=0.8,
         high=1.25,
     )

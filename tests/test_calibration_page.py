@@ -55,7 +55,7 @@ def test_the_button_calibrates_and_the_error_falls(page, server):
         before = errors_of_a_drive(live, 4.0)
     page.locator("#calibration-open").click()
     state, drive = page.locator("#calibration-state"), page.locator("#calibration-drive")
-    expect(state).to_contain_text("nobody has calibrated this robot")
+    expect(state).to_contain_text("this robot has not been calibrated")
     drive.click()
     expect(page.locator("#robot-state")).to_have_text("calibrating")
     finish = page.locator("#calibration-finish")
@@ -77,7 +77,7 @@ def test_the_button_calibrates_and_the_error_falls(page, server):
     assert "attachment" in profile.headers["content-disposition"]
     assert abs(tomllib.loads(profile.text)["picture_delay"]["value"] - 0.04) < 0.01
     page.locator("#calibration-undo").click()
-    expect(state).to_contain_text("nobody has calibrated this robot")
+    expect(state).to_contain_text("this robot has not been calibrated")
     assert httpx.get(server.url + "/api/profile", timeout=20, trust_env=False).status_code == 404
 
 

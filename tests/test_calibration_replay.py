@@ -65,5 +65,5 @@ def test_a_replay_repeats_it_and_going_back_takes_it_back(replayed):
     ],
 )
 def test_a_replay_cannot_be_calibrated_by_driving(replayed, command):
-    with pytest.raises(CommandError, match="this is a replay; only a robot that is there"):
+    with pytest.raises(CommandError, match="this is a replay, which cannot be driven"):
         check(command, replayed[0])

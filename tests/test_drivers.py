@@ -55,7 +55,7 @@ def floor() -> Floor:
 
 def test_the_first_who_drives_has_the_drive_and_others_are_told(floor: Floor) -> None:
     assert all(floor.hold(floor.ann, 0.3))
-    with pytest.raises(CommandError, match="Ann drives; take the drive"):
+    with pytest.raises(CommandError, match="Ann drives; take over"):
         floor.drivers.put(floor.bob, DRIVE)
     with pytest.raises(CommandError, match="Ann drives"):
         floor.drivers.put(floor.bob, EIGHT)

@@ -215,7 +215,7 @@ class TestNeverStuck:
         u, v = page.evaluate("window.brickpose.mapPixel(0.1, 0.1)")
         page.mouse.click(u, v)
         expect(page.locator("button[data-tool=look]")).to_have_attribute("aria-pressed", "true")
-        expect(page.locator("#map-hint")).to_contain_text("The filter was not told")
+        expect(page.locator("#map-hint")).to_contain_text("The filter does not know")
 
     def test_two_presses_measure(self, page):
         page.locator("button[data-tool=measure]").click()

@@ -118,7 +118,7 @@ def moved(grey: Grey) -> Grey:
         (
             of_charuco,
             Board("charuco", 7, 5, 0.035, dictionary="4x4_50"),
-            "squares and markers as told",
+            "do squares and markers have the given sizes",
         ),
     ],
 )

@@ -31,13 +31,13 @@ def test_drive_is_answered_and_moves_the_robot(live):
 def test_of_two_who_drive_the_first_has_the_drive_and_both_see_it(server, live):
     with server.live() as other:
         assert ask(other, type="drive", v=0.1, omega=0)["type"] == "ack"
-        assert "take the drive" in ask(live, type="drive", v=0.1, omega=0)["message"]
+        assert "take over" in ask(live, type="drive", v=0.1, omega=0)["message"]
         mine = until(other, lambda t: t["driver"]["name"])["driver"]
         assert (mine["mine"], mine["stopped"]) == (True, False)
         theirs = until(live, lambda t: t["driver"]["name"])["driver"]
         assert theirs == {**mine, "mine": False}
         assert ask(live, type="take")["type"] == "ack"
-        assert "take the drive" in ask(other, type="drive", v=0.1, omega=0)["message"]
+        assert "take over" in ask(other, type="drive", v=0.1, omega=0)["message"]
         assert until(live, lambda t: t["driver"]["mine"])
 
 

@@ -216,6 +216,6 @@ def test_a_model_that_the_filter_does_not_ask_is_told(save, with_own):
     )
     shown = run(program, 3.0, EIGHT)
     assert undoubted(shown) == [
-        "mine.py:Flat is not asked: no tape is in sight, or this filter does without."
+        "mine.py:Flat is not used: no tape is in sight, or this filter needs no sensor model."
     ]
     assert shown.mode == "figure_eight"

@@ -39,7 +39,7 @@ def test_a_port_that_takes_nothing_for_long_is_given_up(pty):
     now = [0.0]
     with closing(SerialPort(pty.name, clock=lambda: now[0])) as port:
         port.put(b"x" * 1_000_000)
-        with pytest.raises(PortError, match="takes no bytes"):
+        with pytest.raises(PortError, match="accepts no data"):
             for _ in range(10_000):
                 now[0] += serial_port.STUCK_S + 0.1
                 port.exchange(0)

@@ -71,7 +71,7 @@ def test_a_figure_eight_that_somebody_stopped_does_not_go_on_by_itself(browser, 
         wait(server, lambda now: now["mode"] == "figure_eight")
         expect(bob.locator("#drive-who")).to_contain_text("drives")
         bob_eight.click()
-        expect(bob.locator("#toasts")).to_contain_text("take the drive to drive yourself")
+        expect(bob.locator("#toasts")).to_contain_text("take over to drive yourself")
         bob.keyboard.press(" ")
         expect(ann_eight).to_have_attribute("aria-pressed", "false")
         wait(server, lambda now: now["mode"] == "idle")

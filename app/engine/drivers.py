@@ -168,14 +168,14 @@ class Drivers:
         self._require_free(driver)
         if self._stopped is not None:
             if gesture.begun < self._stopped or stamp - self._stopped < SILENCE:
-                raise CommandError("a stop holds; take the drive, or let go for a second")
+                raise CommandError("a stop holds; take over, or release the controls for a second")
             self._stopped = None
         self._driver = driver
 
     def _require_free(self, driver: Driver) -> None:
         current = self._current()
         if current is not None and current is not driver:
-            raise CommandError(f"{current.name} drives; take the drive to drive yourself")
+            raise CommandError(f"{current.name} drives; take over to drive yourself")
 
     def _current(self) -> Driver | None:
         driver = self._driver

@@ -59,10 +59,10 @@ def stop(_command: Command, controls: Controls, _odometry: OdometryState) -> Non
 def check_driving(_command: Command, program: Program) -> None:
     """Refuse the drive in a replay, and while the robot is faulty."""
     if program.loop is not None:
-        raise CommandError("this is a replay; only a robot that is there can be driven")
+        raise CommandError("this is a replay, which cannot be driven")
     latest = program.engine.latest.get()
     if latest is not None and latest.fault is not None:
-        raise CommandError(f"the robot stands still until this is mended: {latest.fault}")
+        raise CommandError(f"the robot stands still until this is fixed: {latest.fault}")
 
 
 def check_drawn(command: Command, program: Program) -> None:

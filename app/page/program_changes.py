@@ -65,7 +65,9 @@ class ProgramChanges:
         """
         newest = self._program.engine.latest.get()
         if command.use and (newest is None or self._change_map is None):
-            raise CommandError("this program cannot go on in another map; save it, and start anew")
+            raise CommandError(
+                "this program cannot switch to another map; save it, and start again"
+            )
         if command.use:
             self._drivers.require_free(driver)
             self._drawer.require_done()
@@ -87,7 +89,7 @@ class ProgramChanges:
             CommandError: there is no such field, another client drives, or a map would be lost.
         """
         if self._change_map is None:
-            raise CommandError("this program cannot load another field; start it anew")
+            raise CommandError("this program cannot load another field; start it again")
         self._require_idle(driver)
         name = field_named(command.name, self._maps)
         try:

@@ -101,7 +101,7 @@ class Server:
                 nobody would close it.
         """
         if self.successor is not None:
-            raise CommandError("the program goes on with something else already; wait a second")
+            raise CommandError("the program is already switching; wait a second")
         self.successor = following
         self._engine.handed_over = hand_over
         # The page's command must be answered first.

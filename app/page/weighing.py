@@ -55,7 +55,7 @@ def weighing_router(program: Program) -> APIRouter:
     def likelihood(theta: Angle | None = None) -> LandscapeMessage:
         """How the scan fits all over the field, at a heading; by default at the estimate's."""
         if not alone.acquire(timeout=WAIT_S):
-            raise HTTPException(503, "Others ask for landscapes; ask again.")
+            raise HTTPException(503, "Other pages are computing likelihoods; try again.")
         try:
             return landscape_message(*_newest(program), program.field, theta)
         finally:

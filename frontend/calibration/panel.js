@@ -93,7 +93,7 @@ export class CalibrationPanel {
     if (drive?.state === "failed")
       return `${sentence(drive.message ?? "")} ${t("Nothing was changed.")} ${HINT}`;
     const measured = this.#known?.measured;
-    if (!measured) return `${t("As described: nobody has calibrated this robot.")} ${HINT}`;
+    if (!measured) return `${t("As described: this robot has not been calibrated.")} ${HINT}`;
     const about = [measured, drive?.message ?? ""].filter(Boolean).map(translated).join("; ");
     return sentence(t("Calibrated {measured}", { measured: about }));
   }

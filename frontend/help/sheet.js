@@ -94,7 +94,7 @@ function made(beginTour) {
     part(t("Keys"), make("div", { class: "keys-of-all" }, ...KEYS.map(keysOf))),
     part(t("What is drawn"), make("ul", { class: "meanings on-floor" }, ...meanings())),
     part(t("Documents"), make("ul", {}, ...DOCUMENTS.map(link))),
-    make("p", { class: "quiet" }, t("What a button does is told when the pointer rests on it, or a finger.")),
+    make("p", { class: "quiet" }, t("Rest the pointer or a finger on a button to read what it does.")),
   );
   shut.onclick = close;
   tour.onclick = () => {

@@ -17,7 +17,7 @@ const STEPS = [
   {
     at: "#drive",
     title: t("Drive"),
-    text: t("W A S D, the arrow keys or the joystick. The figure-eight drives by itself. The space bar and STOP stop at once; let go, and it stands."),
+    text: t("W A S D, the arrow keys or the joystick. The figure-eight drives by itself. The space bar and STOP stop at once; when you let go, the robot stops."),
   },
   {
     at: "#camera",
@@ -35,7 +35,7 @@ const STEPS = [
     at: "#filter",
     tab: "filter",
     title: t("Change how it thinks"),
-    text: t("Each parameter works at once. What differs from its default has a dot, and the arrow sets it back. The question mark tells what each one means."),
+    text: t("A changed parameter takes effect at once. A dot marks one that differs from its default, and the arrow resets it. The question mark explains them all."),
   },
   {
     at: "#help-open",

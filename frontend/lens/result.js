@@ -37,7 +37,7 @@ export class Result {
       this.#words,
       saved
         ? t(
-            "Saved in {profile}; it holds from the next start on. Measure the mounting anew: it was measured through the lens before.",
+            "Saved in {profile}; it is used from the next start on. Measure the mounting again: it was measured with the old lens.",
             { profile: profile ?? "" },
           )
         : "",

@@ -23,7 +23,7 @@ export class NextStep {
     const alike = integrity.state === "ambiguous" && particles.alike > 1;
     if (!alike || replay || (this.#alike !== null && this.#alike > stamp)) this.#alike = null;
     else this.#alike ??= stamp;
-    if (this.#moved) return t("The filter was not told: drive, and see whether it notices.");
+    if (this.#moved) return t("The filter does not know: drive, and see whether it notices.");
     if (this.#alike === null || stamp - this.#alike < LONG_S) return "";
     return t("The camera sees the same at each: drive to where it differs, or “set pose”.");
   }

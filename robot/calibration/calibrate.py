@@ -159,8 +159,8 @@ def _with_unlearnt_left(path: DrivePath, others: Sequence[Pose2]) -> Calibration
     remarks = path.remarks
     if others:
         remarks += (
-            f"the drive fits as well if it began at {' or '.join(map(start_text, others))}: that "
-            f"it began at {start_text(path.start)} is only what was told",
+            f"the drive fits as well if it began at {' or '.join(map(start_text, others))}; only "
+            f"the given start tells that it began at {start_text(path.start)}",
         )
     return Calibration(values, sd, solution, residual_sd(solution.misses), remarks)
 

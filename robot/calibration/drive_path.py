@@ -245,9 +245,8 @@ def begin(drive: Drive, start: Pose2, start_covariance: Array) -> DrivePath:
     ]
     if rivals:
         raise CalibrationError(
-            f"the drive may have begun at {start_text(best.start)} and at "
-            f"{start_text(rivals[0].start)}, and not at {start_text(start)}, as told; valid is a "
-            "start within some centimetres"
+            f"the drive began at {start_text(best.start)} or at {start_text(rivals[0].start)}, "
+            f"not at the given start {start_text(start)}; valid is a start within some centimetres"
         )
     return best
 

@@ -92,7 +92,9 @@ class SerialPort:
         if readable and not data:
             raise PortError(f"{self.device} is gone")
         if self._waiting and self._clock() - self._moved > STUCK_S:
-            raise PortError(f"{self.device} takes no bytes; is what is behind it stopped?")
+            raise PortError(
+                f"{self.device} accepts no data; has the device or program behind it stopped?"
+            )
         return data
 
     def finish(self, last: bytes, seconds: float) -> bool:
@@ -176,6 +178,8 @@ def stop_motors(device: str) -> None:
         # A killed program may have left half a line: CR ends it, so that the stop is a line of its
         # own. Sent twice: if a byte of the first is lost, a motor can stay at the old set-point.
         if not port.finish(b"\r" + 2 * commands.stop(), PATIENCE_S):
-            raise PortError(f"{device} takes no bytes; is what is behind it stopped?")
+            raise PortError(
+                f"{device} accepts no data; has the device or program behind it stopped?"
+            )
     finally:
         port.close()

@@ -22,7 +22,10 @@ class HypothesisParameters:
 
     max_hypotheses: int = setting(24, "Most places followed at once", low=1, high=100)
     scan_worth: float = setting(
-        4.5, "So many independent rays is one scan worth when places are weighed", low=0.1, high=100
+        4.5,
+        "How many independent rays one scan is worth when places are weighed",
+        low=0.1,
+        high=100,
     )
     most_a_scan: float = setting(
         3.0,
@@ -60,7 +63,11 @@ class HypothesisParameters:
         math.radians(6), "Step of the heading in a search", unit="rad", low=0.01, high=1
     )
     search_blur: float = setting(
-        0.03, "How far ends of rays may lie off in a search", unit="m", low=0.001, high=5
+        0.03,
+        "How far the ends of rays may be from an edge in a search",
+        unit="m",
+        low=0.001,
+        high=5,
     )
     fit_sd: float = setting(
         0.005,

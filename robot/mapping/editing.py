@@ -21,7 +21,7 @@ def without_stroke(tidy: TidyStrokes, number: int) -> TidyStrokes:
         ValueError: there is no other.
     """
     if len(tidy.strokes) == 1:
-        raise ValueError("a map has a stroke at least; discard it instead")
+        raise ValueError("a map needs at least one stroke; discard the map instead")
     strokes = tidy.strokes[:number] + tidy.strokes[number + 1 :]
     kept = [k for k in range(len(tidy.strokes)) if k != number]
     return TidyStrokes(strokes, *renumbered(kept, tidy.corners, tidy.ends))

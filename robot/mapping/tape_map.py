@@ -147,7 +147,7 @@ class TapeMap:
         unseen = len(self.unseen_ends)
         if unseen:
             remarks.append(
-                f"the map is not whole: {unseen} ends of tape{_near(self.unseen_ends)} were not "
+                f"the map is incomplete: {unseen} ends of tape{_near(self.unseen_ends)} were not "
                 "seen; drive toward them, and where the tape goes on"
             )
         if steadiness(self.tidy.strokes) < LEAST_STEADINESS:
@@ -157,8 +157,8 @@ class TapeMap:
             )
         if len(self.others):
             remarks.append(
-                f"the map is not whole: something dark{_near(self.others)} is not in it, a shadow, "
-                "or tape that was seen from its end only; drive past it"
+                f"the map is incomplete: something dark{_near(self.others)} is not in it, a "
+                "shadow, or tape that was seen from its end only; drive past it"
             )
         return tuple(remarks)
 

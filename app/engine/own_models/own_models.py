@@ -125,7 +125,8 @@ class OwnModels:
         for slot in (self._sensor, self._motion):
             if slot.model is not None and slot.model.guard.passed_over > PATIENCE:
                 return (
-                    f"{slot.name} is not asked: no tape is in sight, or this filter does without."
+                    f"{slot.name} is not used: no tape is in sight, or this filter needs no "
+                    "sensor model."
                 )
         return None
 

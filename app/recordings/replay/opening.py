@@ -239,7 +239,7 @@ def _remarks(reader: RecordingReader, parts: RecordedParts, options: ReplayOptio
     )
     if parts.models and not (options.sensor_model or options.motion_model):
         result.append(
-            f"It was recorded with models of somebody's own ({', '.join(parts.models)}); they are "
+            f"It was recorded with its user's own models ({', '.join(parts.models)}); they are "
             "not run unless --sensor-model or --motion-model says so."
         )
     return result

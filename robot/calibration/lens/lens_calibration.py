@@ -121,8 +121,9 @@ def choice(ratings: Sequence[Rating]) -> Rating:
     best = min(ratings, key=lambda rating: rating.rms)
     if not best.rms < POOR_PX:
         raise LensError(
-            f"no lens fits the pictures: in held-out ones corners lie {best.rms:.1f} px off; are "
-            "the squares as told, the board flat, and all pictures of one camera at one zoom?"
+            f"no lens fits the pictures: in held-out ones corners lie {best.rms:.1f} px off; do the "
+            "squares have the given size, is the board flat, and are all pictures of one camera at "
+            "one zoom?"
         )
     for rating in ratings:
         more = rating.held_out - best.held_out
@@ -193,7 +194,9 @@ def _ratings(seen: Sequence[Sighting], board: Board) -> list[Rating]:
             continue
         result.append(Rating(model, _held_out(fit, seen, board), fit))
     if not result:
-        raise LensError("no lens fits the pictures: are the squares as told, and the board flat?")
+        raise LensError(
+            "no lens fits the pictures: do the squares have the given size, is the board flat?"
+        )
     return result
 
 

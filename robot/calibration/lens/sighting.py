@@ -236,7 +236,7 @@ def _why_no_markers(
         return "mirrored"
     return (
         f"{_count(ids)} corners of the charuco board in sight, {_count(marker_ids)} markers read; "
-        f"valid is {LEAST_CORNERS} corners or more: squares and markers as told?"
+        f"valid is {LEAST_CORNERS} corners or more: do squares and markers have the given sizes?"
     )
 
 

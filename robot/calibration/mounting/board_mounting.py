@@ -71,8 +71,8 @@ def mounting_by_board(
     rms = float(np.sqrt((fit.errors**2).sum(axis=1).mean()))
     if rms > FAR_OFF_PX:
         raise MountingError(
-            f"the corners lie {rms:.1f} px off a flat board seen through this lens: are the "
-            "squares as told, the board flat, and the lens file this camera's?"
+            f"the corners lie {rms:.1f} px off a flat board seen through this lens: do the "
+            "squares have the given size, is the board flat, and is the lens file this camera's?"
         )
     if turn > TURNED:
         raise MountingError(
@@ -105,7 +105,7 @@ def check_scale(
     """Return the tape's width in the picture [m], beside the board; None without tape.
 
     Raises:
-        MountingError: the tape is not as wide as it is: the board's squares are not as told.
+        MountingError: the tape seems wider or narrower than it is: the squares have another size.
     """
     without = _painted_over(picture, sighting)
     view = FloorView(lens, mounting.robot_from_camera)

@@ -12,7 +12,7 @@ FILTER = {
     ),
     "R2": Cause(
         "Weights belong to other particles: their colours are strewn at random.",
-        "The particles are drawn anew, but the weights stay in their old order.",
+        "New particles are drawn, but the weights keep their old order.",
         "After resampling each one weighs the same.",
     ),
     "R3": Cause(
@@ -21,12 +21,12 @@ FILTER = {
         "Make real copies: poses[indices] of a NumPy array does, [poses[i] for i in ...] does not.",
     ),
     "R4": Cause(
-        "A particle that nothing speaks for lives on, and a good one dies.",
+        "An unlikely particle survives, and a good one dies.",
         "The index is off by one.",
         "Try three particles with the weights 0, 1, 0 on paper. Which index comes out?",
     ),
     "R5": Cause(
-        "While it stands the filter becomes ever surer, of the wrong place too.",
+        "While the robot stands, the filter becomes more and more certain, also of a wrong place.",
         "The same scan counts again and again while the robot stands.",
         "Return what you got if the robot has not moved.",
     ),
@@ -96,7 +96,7 @@ FILTER = {
         "motion leaves its poses as they are, and returns new ones: keep those.",
     ),
     "survivors-lost": Cause(
-        "Bad particles live on, though it draws anew.",
+        "Bad particles survive, although new ones are drawn.",
         "What parts.resample gives is not kept.",
         "parts.resample returns poses and weights; the old ones do not change by themselves.",
     ),
@@ -148,7 +148,7 @@ FILTER = {
         "Take only those near the heaviest: 0.1 m in place and 0.5 rad in heading, either way.",
     ),
     "heaviest": Cause(
-        "The estimate sits at a place that little speaks for.",
+        "The estimate is at an unlikely place.",
         "Another particle than the heaviest makes the place.",
         "The heaviest is the one with the largest weight: which index has it?",
     ),
@@ -160,7 +160,7 @@ FILTER = {
     "diagonal": Cause(
         "All particles lie on one line.",
         "The same random numbers serve twice.",
-        "Draw anew for x, for y and for the heading.",
+        "Draw separate numbers for x, for y and for the heading.",
     ),
     "field-size": Cause(
         "Particles lie beyond the field, or leave a part of it empty.",

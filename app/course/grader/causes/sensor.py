@@ -39,7 +39,7 @@ SENSOR = {
     ),
     "S7": Cause(
         "All weights stay equal.",
-        "The weights are worked out, but what is returned is something else, as a copy.",
+        "The weights are computed, but something else is returned, such as a copy.",
         "Follow one weight from where it is computed to the return. Where is it stored?",
     ),
     "S8": Cause(
@@ -154,7 +154,7 @@ SENSOR = {
     ),
     "exchanged": Cause(
         "Ranges are small, and bearings make no sense.",
-        "Bearing and range are exchanged in what is returned.",
+        "The function returns bearing and range in the wrong order.",
         "Compare what you return with the stub's description.",
     ),
     "slant": Cause(
