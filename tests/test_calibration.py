@@ -130,7 +130,7 @@ def test_a_start_that_is_far_off_is_found(start: Pose2) -> None:
 def test_where_places_look_alike_the_start_has_to_be_told_better() -> None:
     log, _, _ = driven(HAND_BUILT, SEED, 40.0)
     marked = load_field("stub", MAPS)  # the square with a mark, which this drive does not decide
-    with pytest.raises(CalibrationError, match="the drive began at .* not at the given start"):
+    with pytest.raises(CalibrationError, match=r"the drive began at .* not at the given start"):
         calibrate(log.until(60), SPEC, marked, Pose2(0.25, 0.2, 0.6), START_COVARIANCE)
 
 

@@ -73,7 +73,7 @@ def test_a_stop_holds_while_a_recording_is_open_and_behind_it(server, folder) ->
         assert answer(live)["type"] == "ack"
         # On a busy machine the program has ended before it answers the second.
         with suppress(ConnectionClosed):
-            assert "goes on with something else already" in answer(live)["message"]
+            assert "is already switching" in answer(live)["message"]
     # The first one won.
     assert after(server, lambda now: now["replay"] is not None)["driver"]["stopped"]
     with server.live() as live:

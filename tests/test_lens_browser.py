@@ -96,7 +96,7 @@ def test_a_lens_is_calibrated_on_the_page(browser, monkeypatch, tmp_path) -> Non
         )
 
         page.get_by_role("button", name="Save").click()
-        expect(page.locator("#save-words")).to_contain_text("holds from the next start on")
+        expect(page.locator("#save-words")).to_contain_text("is used from the next start on")
         profile = load_profile(own_profile(robot.spec.name))
         assert profile.lens is not None and profile.source == f"lens by {PICTURES} pictures"
 

@@ -121,9 +121,9 @@ def choice(ratings: Sequence[Rating]) -> Rating:
     best = min(ratings, key=lambda rating: rating.rms)
     if not best.rms < POOR_PX:
         raise LensError(
-            f"no lens fits the pictures: in held-out ones corners lie {best.rms:.1f} px off; do the "
-            "squares have the given size, is the board flat, and are all pictures of one camera at "
-            "one zoom?"
+            f"no lens fits the pictures: in held-out ones corners lie {best.rms:.1f} px off; do "
+            "the squares have the given size, is the board flat, and are all pictures of one "
+            "camera at one zoom?"
         )
     for rating in ratings:
         more = rating.held_out - best.held_out
