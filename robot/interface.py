@@ -62,14 +62,21 @@ class Reading:
 
 @runtime_checkable
 class Robot(Protocol):
-    """A robot with driven joints, and a camera or a laser."""
+    """A robot with driven joints, and a camera or a laser.
+
+    ``tests/test_robot_contract.py`` tests each robot by this contract.
+    """
 
     name: str
     """Name of the robot on the dashboard."""
     spec: RobotSpec
 
     def read(self) -> Reading:
-        """Wait for the next reading; this sets the pace of the program.
+        """Wait for the next reading; this sets the pace of the program, fifty times a second.
+
+        Each picture of the camera is in one reading, 25 to 31 of them a second. A simulator calls
+        ``wait``, which its maker got, with the stamp of each reading: that makes it run in real
+        time, or as fast as it can.
 
         Raises:
             RobotError: the robot does not answer any more.
@@ -77,10 +84,11 @@ class Robot(Protocol):
         ...
 
     def write(self, velocities: Array) -> Array:
-        """Request joint velocities (j,) [rad/s]; return those really applied after limits.
+        """Request joint velocities (j,) [rad/s]; return those that the robot applies.
 
-        Request them again after every reading: a real robot stops after a fifth of a second without
-        a request.
+        The robot itself limits them to ``max_velocity`` of each joint of ``spec``. After ``close``
+        it applies, and returns, zeros. Request them again after every reading: a real robot stops
+        after a fifth of a second without a request.
         """
         ...
 

@@ -24,6 +24,7 @@ from robot.driving.drive_controller import DriveController
 from robot.driving.odometry import Odometry
 from robot.geometry import Array
 from robot.interface import Reading
+from robot.localization.models.motion_models import MOTION_MODELS
 from robot.localization.parameters import FILTERS, LocalizationParameters
 from robot.localization.used_parameters import idle_parameters
 from robot.settings import describe
@@ -33,7 +34,7 @@ CHOICES = [
     {"filter": "particles", "laser_model_type": "beam"},
     {"filter": "particles", "laser_model_type": "likelihood_field_prob"},
     {"filter": "particles", "laser_model_type": "likelihood_field_prob", "do_beamskip": True},
-    *({"filter": "particles", "robot_model_type": name} for name in ("omni", "velocity")),
+    *({"filter": "particles", "robot_model_type": name} for name in MOTION_MODELS),
     {"filter": "hypotheses", "laser_model_type": "beam", "robot_model_type": "velocity"},
     {"filter": "grid", "robot_model_type": "velocity"},
     {"filter": "kalman", "robot_model_type": "omni"},
@@ -133,6 +134,20 @@ def test_what_has_no_effect_has_none(base: Base, choice) -> None:
     changed_run = followed(base, changed(parameters, values))
     for before, now in zip(followed(base, parameters), changed_run, strict=True):
         assert belief(before) == belief(now)
+
+
+@pytest.mark.parametrize("name", MOTION_MODELS)
+def test_each_motion_model_has_the_settings_that_it_uses(base: Base, name: str) -> None:
+    """A setting that is not idle changes the run."""
+    parameters = changed(
+        LocalizationParameters(), SMALL | {"filter": "particles", "robot_model_type": name}
+    )
+    first = [belief(shown) for shown in followed(base, parameters)]
+    used = set(describe(parameters.motion)) - {"robot_model_type"} - idle_parameters(parameters)
+    assert used
+    for setting in used:
+        values = others(parameters, frozenset([setting]))
+        assert first != [belief(shown) for shown in followed(base, changed(parameters, values))]
 
 
 def test_what_has_an_effect_has_one(base: Base) -> None:

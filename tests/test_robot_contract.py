@@ -139,6 +139,17 @@ def test_close_stops_it_and_may_be_called_twice(robot):
     assert not np.any(robot.write(np.full(2, 3.0)))
 
 
+@pytest.mark.parametrize("name", [name for name in ROBOTS if name != "buildhat"])
+def test_a_simulated_robot_waits_for_the_time_of_each_reading(name):
+    if name == "sim":
+        pytest.importorskip("pybullet")
+    waited = []
+    robot = build_program(Config(robot=name), waited.append).robot
+    stamps = [robot.read().stamp for _ in range(10)]
+    robot.close()
+    assert waited == pytest.approx(stamps)
+
+
 def test_what_can_be_placed_stands_where_it_is_placed(robot):
     if not isinstance(robot, RepositionableRobot):
         pytest.skip("this robot can only be moved by hand")

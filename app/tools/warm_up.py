@@ -14,6 +14,8 @@ from app.engine.snapshot import Snapshot
 from app.messages.commands import Command, ScatterCommand, SetParametersCommand, SetPoseCommand
 from app.messages.driving_commands import FigureEightCommand
 from app.settings.config import Config
+from robot.localization.models.motion_models import MOTION_MODELS
+from robot.localization.parameters import FILTERS
 
 SEARCH_TICKS = 150
 """Enough for the hypotheses to collect a short map, and to search for places twice."""
@@ -22,13 +24,10 @@ SETTLED_TICKS = 100
 TICKS = 8
 """A few pictures."""
 FIRST_USES: tuple[dict[str, Any], ...] = (
-    {"filter": "kalman"},
-    {"filter": "grid"},
+    *({"filter": name} for name in FILTERS),
     {"filter": "particles", "laser_model_type": "beam"},
     {"laser_model_type": "likelihood_field_prob", "do_beamskip": True},
-    {"robot_model_type": "omni"},
-    {"robot_model_type": "velocity"},
-    {"robot_model_type": "stationary"},
+    *({"robot_model_type": name} for name in MOTION_MODELS),
 )
 """Parameter changes, one after another; each brings in code that was not used before."""
 

@@ -158,10 +158,10 @@ class FilterParameters:
         0.175, "Cell in which headings are alike", unit="rad", low=0.01, high=3.2
     )
     initial_sd_xy: float = setting(
-        0.1, "Spread of a pose told without one", unit="m", low=0.0001, high=100
+        0.1, "Spread of a pose that is set without a spread", unit="m", low=0.0001, high=100
     )
     initial_sd_theta: float = setting(
-        0.3, "Spread of a heading told without one", unit="rad", low=0.0001, high=10
+        0.3, "Spread of a heading that is set without a spread", unit="rad", low=0.0001, high=10
     )
 
     def __post_init__(self) -> None:

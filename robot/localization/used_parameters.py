@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 
-from robot.localization.models.motion_models import MotionParameters
+from robot.localization.models.motion_models import MODELS, MotionParameters
 from robot.localization.models.sensor_models import SensorParameters
 from robot.localization.parameters import HypothesisParameters, LocalizationParameters
 
@@ -39,6 +39,17 @@ def _names(group: type) -> frozenset[str]:
     return frozenset(field.name for field in dataclasses.fields(group))
 
 
+HYPOTHESES = _names(HypothesisParameters) - EVIDENCE
+"""Of several hypotheses."""
+UNUSED: dict[str, frozenset[str]] = {
+    "hypotheses": frozenset(),
+    "particles": HYPOTHESES,
+    "kalman": HYPOTHESES | PARTICLES | MODEL,
+    "grid": HYPOTHESES | PARTICLES,
+}
+"""What each filter does not use, whatever its models are."""
+
+
 def idle_parameters(
     parameters: LocalizationParameters, *, own_motion: bool = False, own_sensor: bool = False
 ) -> frozenset[str]:
@@ -49,21 +60,9 @@ def idle_parameters(
         own_motion: whether a user's own motion model is used, which has its own parameters.
         own_sensor: whether a user's own sensor model is used.
     """
-    kind = parameters.filter.filter
-    idle = _idle_motion("own" if own_motion else parameters.motion.robot_model_type)
-    idle |= MODEL if kind == "kalman" else _idle_sensor(parameters.sensor, own=own_sensor)
-    if kind in ("kalman", "grid"):
-        idle |= PARTICLES
-    if kind != "hypotheses":
-        idle |= _names(HypothesisParameters) - EVIDENCE
-    return idle
-
-
-def _idle_motion(model: str) -> frozenset[str]:
-    others = _names(MotionParameters) - {"robot_model_type"}
-    prefix = {"differential": "alpha", "omni": "alpha"}.get(model, model)
-    used = {name for name in others if name.startswith(prefix)}
-    return others - used | ({"alpha5"} if model == "differential" else set())
+    motion = () if own_motion else MODELS[parameters.motion.robot_model_type][1]
+    idle = _names(MotionParameters) - {"robot_model_type", *motion}
+    return idle | _idle_sensor(parameters.sensor, own=own_sensor) | UNUSED[parameters.filter.filter]
 
 
 def _idle_sensor(sensor: SensorParameters, *, own: bool) -> frozenset[str]:

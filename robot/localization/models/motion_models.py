@@ -103,7 +103,15 @@ def loosened(model: MotionModel, factor: float) -> MotionModel:
     return model if factor == 1.0 else LoosenedMotion(model, factor)
 
 
-MOTION_MODELS = ("differential", "omni", "velocity", "stationary")
+_ALPHAS = ("alpha1", "alpha2", "alpha3", "alpha4")
+MODELS: dict[str, tuple[Callable[..., MotionModel], tuple[str, ...]]] = {
+    "differential": (DifferentialMotion, _ALPHAS),
+    "omni": (OmniMotion, (*_ALPHAS, "alpha5")),
+    "velocity": (VelocityMotion, tuple(f"velocity_alpha{number}" for number in range(1, 7))),
+    "stationary": (StationaryMotion, ("stationary_sd_xy", "stationary_sd_theta")),
+}
+"""Class of each model, and the settings that it is made with, in the order of its fields."""
+MOTION_MODELS = tuple(MODELS)
 
 
 @dataclass(frozen=True)
@@ -160,20 +168,5 @@ class MotionParameters:
 
     def model(self) -> MotionModel:
         """Return the chosen model with these parameters."""
-        match self.robot_model_type:
-            case "differential":
-                return DifferentialMotion(self.alpha1, self.alpha2, self.alpha3, self.alpha4)
-            case "omni":
-                return OmniMotion(self.alpha1, self.alpha2, self.alpha3, self.alpha4, self.alpha5)
-            case "velocity":
-                return VelocityMotion(
-                    self.velocity_alpha1,
-                    self.velocity_alpha2,
-                    self.velocity_alpha3,
-                    self.velocity_alpha4,
-                    self.velocity_alpha5,
-                    self.velocity_alpha6,
-                )
-            case "stationary":
-                return StationaryMotion(self.stationary_sd_xy, self.stationary_sd_theta)
-        raise NotImplementedError(f"{self.robot_model_type} is listed, but has no case here")
+        model, settings = MODELS[self.robot_model_type]
+        return model(*(getattr(self, name) for name in settings))
