@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator
+from itertools import pairwise
 
 import cv2
 import numpy as np
@@ -156,8 +157,9 @@ def test_on_a_phone_the_panels_are_tabs_and_stop_is_always_there(browser, server
         color_scheme=scheme,
     ):  # fmt: skip
         page.evaluate(
-            """document.getElementById("main").insertAdjacentHTML(
-                 "beforeend", "<section class='panel' id='tabless'><h2>No tab</h2></section>")"""
+            """document.getElementById("main").insertAdjacentHTML("beforeend", `
+                <section class="panel" id="tabless"><h2>No tab</h2></section>
+                <section class="panel" id="sharing" data-tab="camera"><h2>Shares</h2></section>`)"""
         )
         shown = {}
         for tab in page.get_by_role("tablist", name="Panels").get_by_role("tab").all():
@@ -170,8 +172,11 @@ def test_on_a_phone_the_panels_are_tabs_and_stop_is_always_there(browser, server
                 "[...document.querySelectorAll('main > .panel')]"
                 ".filter(panel => panel.checkVisibility()).map(panel => panel.id)"
             )
+            boxes = [page.locator(f"#{name}").bounding_box() for name in shown[tab.text_content()]]
+            boxes.sort(key=lambda box: box["y"])
+            assert all(a["y"] + a["height"] <= b["y"] for a, b in pairwise(boxes))
         assert shown == {
-            "Camera": ["camera", "drive"],
+            "Camera": ["camera", "drive", "sharing"],
             "Map": ["map", "drive"],
             "3D": ["view", "drive"],
             "Filter": ["drive", "filter", "plots"],

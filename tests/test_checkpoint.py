@@ -9,9 +9,7 @@ from app.engine.localization import Localization
 from app.engine.parameter_changes import changed
 from app.messages.driving_commands import FigureEightCommand
 from app.settings.config import Config
-from robot.localization.parameters import LocalizationParameters
-
-FILTERS = ("particles", "hypotheses", "kalman", "grid")
+from robot.localization.parameters import FILTERS, LocalizationParameters
 
 
 @pytest.fixture(scope="module")
