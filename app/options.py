@@ -46,13 +46,13 @@ def add_map(command: argparse.ArgumentParser) -> None:
 
 
 def add_condition(command: argparse.ArgumentParser, *, many: bool = False) -> None:
-    """Add the option for conditions: what is worse than usual with a simulated robot."""
+    """Add the option for conditions, which make a simulation worse."""
     repeated = "; may be given more than once" if many else ""
     command.add_argument(
         "--condition",
         metavar="NAME",
         action="append" if many else "store",
-        help=f"what is worse than usual in a simulation{repeated}: {condition_names()} "
+        help=f"a named condition that makes a simulation worse{repeated}: {condition_names()} "
         "(default: default)",
     )
 
@@ -96,7 +96,7 @@ def add_own_models(command: argparse.ArgumentParser) -> None:
         command.add_argument(
             f"--{kind}-model",
             metavar="FILE.py:CLASS",
-            help=f"a {kind} model of your own, taken anew when it is saved (docs/own_models.md)",
+            help=f"a {kind} model of your own, read again when it is saved (docs/own_models.md)",
         )
     command.add_argument(
         "--models", metavar="DIR", help="a folder of models of your own, which the page offers"

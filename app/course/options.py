@@ -13,7 +13,7 @@ def add_check(commands: Commands) -> None:
     """Add ``check``."""
     command = commands.add_parser(
         "check",
-        help="tell what a lesson's code does wrong",
+        help="say what is wrong with a lesson's code",
         description="Run the checks of the lessons on a file, in a process that can harm nothing. "
         "It ends with 0 if all that was begun passed.",
     )

@@ -42,7 +42,7 @@ def add_evaluate(commands: Commands) -> None:
         "evaluate",
         help="the paper's experiment, statistics of the models, or integrity",
         description="Drive the open-loop figure-eight with simulated robots, follow each with the "
-        "pose known and with it told wrong, and write a report. With --recording and --truth: "
+        "pose known and with a wrong one, and write a report. With --recording and --truth: "
         "compare a recorded trajectory with the true one. Metres, radians, seconds.",
     )
     _add_common(command)
@@ -168,14 +168,14 @@ def _add_simulation(command: argparse.ArgumentParser) -> None:
         type=float,
         nargs=3,
         metavar=("DX", "DY", "DTHETA"),
-        help="how far the told pose is off [m, m, rad] (default: -0.1 -0.1 0.3)",
+        help="how far the given pose is off [m, m, rad] (default: -0.1 -0.1 0.3)",
     )
     add_profile(command)
     command.add_argument(
         "--calibrate",
         type=float,
         metavar="SECONDS",
-        help="each robot calibrates itself first, by a drive of this duration",
+        help="calibrate each robot first, by a drive of this duration",
     )
     command.add_argument(
         "--world",

@@ -58,7 +58,7 @@ def add_access(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--no-token",
         action="store_true",
-        help="let everybody in who reaches the address: they can drive, look and download",
+        help="let everybody who reaches the address drive, watch and download",
     )
     command.add_argument(
         "--certfile",

@@ -118,7 +118,7 @@ def _add_mounting(kinds: Commands) -> None:
         help="how the camera is mounted, by one picture of the floor",
         description="Measure roll, pitch, yaw, height and place of the camera, by one picture of a "
         "printed board that lies on the floor, or of the tape of a known field. Writes them into "
-        "the robot's profile, of which all else is kept. Metres, radians.",
+        "the robot's profile; its other values are kept. Metres, radians.",
     )
     mounting.add_argument("picture", type=Path, metavar="PICTURE", help="taken by the robot")
     add_board(mounting)

@@ -189,12 +189,12 @@ def _experiment(given: Given, folder: Path) -> dict[str, Any]:
 
 
 def _line(condition: dict[str, Any]) -> str:
-    given = "known" if condition["offset"] is None else "told wrong"
+    given = "known start" if condition["offset"] is None else "wrong start"
     ate = {name: item["ate_rmse_m"]["mean"] for name, item in condition["methods"].items()}
     after = condition["convergence"]
     median = after["seconds"]["median"]
     return (
-        f"{condition['world']}, start {given}: "
+        f"{condition['world']}, {given}: "
         f"odometry {millimetres(ate['odometry'])}, AMCL {millimetres(ate['amcl'])}; "
         f"{after['converged']} of {after['of']} right, after {seconds(median)}; "
         f"{after['right_to_the_end']} right to the end, {after['lost_again']} lost again; "

@@ -20,7 +20,7 @@ from robot.fields.field import Field
 from robot.geometry import Array
 
 TEMPLATE = "report.html.jinja"
-TOLD = {"known": "start known", "offset": "start told wrong"}
+STARTS = {"known": "known start", "offset": "wrong start"}
 
 PAPER = {
     ("sim", "known", "amcl"): "9.6 mm",
@@ -73,7 +73,7 @@ def report(evaluation: Evaluation) -> str:
 
 
 def _title(world: str, given: str) -> str:
-    return f"{world}, {TOLD[given]}"
+    return f"{world}, {STARTS[given]}"
 
 
 def _each(table: dict[str, Any], method: str) -> Sequence[float]:

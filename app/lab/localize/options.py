@@ -88,8 +88,8 @@ def _add_pictures(command: argparse.ArgumentParser) -> None:
             "PROFILE.toml",
             "what `brickpose calibrate` has measured (none: nothing)",
         ),
-        ("odometry", "FILE.tum", "its motion (default: it goes on as it went)"),
-        ("stamps", "FILE", "a list of stamps and file names (default: the names tell the stamps)"),
+        ("odometry", "FILE.tum", "its motion (default: each step is like the one before)"),
+        ("stamps", "FILE", "a list of stamps and file names (default: stamps in the names)"),
         ("overlays", "DIR", "write each picture with the edges that were found"),
         ("config", "FILE.toml", "settings of scanner and filter (docs/configuration.md)"),
     ):

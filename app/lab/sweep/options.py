@@ -18,14 +18,14 @@ A sweep file names settings by their path (docs/configuration.md) and their valu
   worlds = ["sim"]         # sim, as-real, hand-built, kinematic
   # conditions = ["default", "askew"]   # as --condition
   # sample = 30            # this many random points instead of all combinations
-  # offset = [-0.1, -0.1, 0.3]   # the start is told wrong [m, m, rad]
+  # offset = [-0.1, -0.1, 0.3]   # the given start is off by this [m, m, rad]
 
   [settings]
   localization.sensor.sigma_hit = [0.001, 0.003, 0.01]
   localization.filter.min_particles = [100, 500]
   # with sample: { low = 0.01, high = 1.0, log = true }
 
-The same command again goes on where it was interrupted.
+The same command again continues where it was interrupted.
 """
 
 
