@@ -40,7 +40,7 @@ def profile_after(command: SetCalibrationCommand, spec: RobotSpec) -> Profile:
 
 
 def calibration_command(profile: Profile) -> SetCalibrationCommand:
-    """Return the command that makes a profile hold; the lens stays as it is."""
+    """Return the command that sets a profile; the lens is not changed."""
     names = NAMES[:ROBOT]
     return SetCalibrationCommand(
         type="set_calibration",

@@ -34,9 +34,9 @@ from robot.mapping.tidying import TidyStrokes
 MOST_WAITING = 3000
 """Most ticks that wait for the thread: a minute of them."""
 ANSWER_S = 20.0
-"""The map so far is waited for so long at most, while it is drawn [s]."""
+"""Longest wait for the map so far, while it is drawn [s]."""
 STANDING_SD = np.array([0.003, 0.003, math.radians(0.5)])
-"""How uncertain the pose in a new map is at least [m, m, rad]."""
+"""Least uncertainty of the pose in a new map [m, m, rad]."""
 DRIFT = np.array([0.05, 0.05, 0.10])
 """... and by how much more for each metre that was driven since [m, m, rad]."""
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,59}")
@@ -104,7 +104,7 @@ class MapDrawer:
         self._work.exploration = Exploration(self._program)
 
     def pause(self, paused: bool | None = None) -> None:
-        """Take no pictures into the map, or take them again; None is the other way than now.
+        """Stop adding pictures to the map, or add them again; None toggles.
 
         The wheels tell the robot's way meanwhile.
 
@@ -190,7 +190,7 @@ class MapDrawer:
         numbers: tuple[int, ...],
         change: Callable[[TidyStrokes], TidyStrokes],
     ) -> None:
-        """Change the strokes of the finished map; the numbers have to be of some."""
+        """Change the strokes of the finished map; the numbers have to be valid."""
         with self._lock:
             drawn, drawing = self._done(), self.drawing
             assert drawing is not None  # it is done
@@ -213,7 +213,7 @@ class MapDrawer:
     def save(self, name: str, folder: Path) -> Path:
         """Write the map to a folder, under a new name; return the drawing's file.
 
-        While it is drawn, all of the drive so far is adjusted for that; and it is drawn on.
+        While it is drawn, the whole drive so far is adjusted first, and drawing continues.
 
         Raises:
             CommandError: there is no map, or it cannot be written; it stays here.

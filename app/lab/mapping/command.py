@@ -82,7 +82,7 @@ def map_recording(
 
 
 def profile_of_map(drawn: TapeMap, spec: RobotSpec, source: str) -> Profile:
-    """Return what a map has told of a robot, which it was drawn with without a calibration."""
+    """Return the profile of a robot that was calibrated along with a map."""
     values = drawn.solution.state.values[:ROBOT]
     sd = np.sqrt(np.diag(drawn.solution.covariance))[:ROBOT]
     lens = Profile.of(spec).lens
@@ -92,7 +92,7 @@ def profile_of_map(drawn: TapeMap, spec: RobotSpec, source: str) -> Profile:
 def read_drive(
     recording: Path, width: float, *, calibrated: bool = True
 ) -> tuple[DriveLog, RobotSpec]:
-    """Return what a map needs of a recording, and its robot: as calibrated, or without that.
+    """Return the drive in a recording, and its robot, with its calibration or without.
 
     Raises:
         RecordingError: the file cannot be used.

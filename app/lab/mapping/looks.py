@@ -44,7 +44,7 @@ def is_laser_bag(recording: Path) -> bool:
     try:
         reader = open_recording(recording)
     except RecordingError:
-        # A ROS 2 bag's folder may hold an SQLite database; all else is told by who reads it.
+        # A ROS 2 bag's folder may hold an SQLite database; the reader reports anything else.
         return recording.is_dir() and any(recording.glob("*.db3"))
     kinds = {kind.rpartition("/")[2] for kind in reader.topics.values()}
     return SETTINGS not in reader.attachments and kinds.isdisjoint({"Image", "CompressedImage"})

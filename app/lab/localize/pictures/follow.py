@@ -48,15 +48,15 @@ class LocatedPictures:
 
     located: list[LocatedPicture] = field(default_factory=list)
     stale: list[StampedPicture] = field(default_factory=list)
-    """Those that show what the one before them showed, although the robot has moved."""
+    """Those that repeat the picture before, although the robot has moved."""
     unmoved: list[StampedPicture] = field(default_factory=list)
-    """Those at whose time odometry tells nothing."""
+    """Those without odometry at their time."""
     unknown: list[StampedPicture] = field(default_factory=list)
     """Those after which the filter knew no place."""
 
 
 Show = Callable[[LocatedPicture, Picture, LineScan, LineScanner], None]
-"""Is given each picture that was used, and what the scanner found in it."""
+"""Called with each picture that was used, and what the scanner found in it."""
 
 
 class PictureFollower(Localization):
@@ -102,7 +102,7 @@ class PictureRun:
         Args:
             config: settings of scanner and filter, and the seed.
             start: where the robot is at the first picture; by default at the field's start.
-            odometry: its motion; by default it is taken to go on as between the last two pictures.
+            odometry: its motion; by default each step is assumed to be like the one before.
         """
         self.result = LocatedPictures()
         self._spec = spec
@@ -117,7 +117,7 @@ class PictureRun:
         """Follow the robot; what is found is in ``result``.
 
         Args:
-            show: is given each picture that was used.
+            show: called with each picture that was used.
 
         Raises:
             PictureError: a picture cannot be read, or its size is not that of the lens.
