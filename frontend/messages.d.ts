@@ -237,7 +237,7 @@ export interface FigureEightCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
   type: "figure_eight";
-  /** Whether to begin again; it is refused if the robot would leave the field. */
+  /** Whether to begin again; that is refused if the robot is known to leave the field. */
   start?: boolean;
   /** Speed along the circles [m/s]; null means as configured. It may change during the drive. */
   speed?: number | null;
@@ -752,7 +752,7 @@ export interface PoseFitsMessage {
   model: string;
   /** Share of the log-likelihood that counts in a weight. */
   power: number;
-  /** Standard deviation [m] added to the ranges', because the particles lie apart. */
+  /** Standard deviation [m] added (in squares) to the ranges', because the particles lie apart. */
   extra_sd: number;
   bearings: number[];
   /** Measured ranges [m]; null means no return. */
@@ -1027,9 +1027,9 @@ export interface StartMapCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
   type: "start_map";
-  /** Whether to forget the map that there is; otherwise it is kept, and the command is refused. */
+  /** Whether to forget an unsaved map; otherwise the command is refused if there is one. */
   discard?: boolean;
-  /** Whether to begin paused: pictures are added from ``pause_map`` on. */
+  /** Whether to begin paused: no pictures are added until ``pause_map`` resumes. */
   paused?: boolean;
 }
 
@@ -1092,7 +1092,7 @@ export interface TwistMessage {
   omega: number;
 }
 
-/** Go back to the calibration before the last one; a second undo takes that back. */
+/** Go back to the calibration before the last one by driving; a second undo takes that back. */
 export interface UndoCalibrationCommand {
   /** Repeated in the answer. */
   id?: number | string | null;

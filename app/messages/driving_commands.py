@@ -35,7 +35,7 @@ class FigureEightCommand(CommandMessage):
 
     type: Literal["figure_eight"]
     start: bool = False
-    """Whether to begin again; it is refused if the robot would leave the field."""
+    """Whether to begin again; that is refused if the robot is known to leave the field."""
     speed: Annotated[float, Field(ge=0.01, le=2)] | None = None
     """Speed along the circles [m/s]; null means as configured. It may change during the drive."""
 
@@ -59,7 +59,7 @@ class FinishCalibrationCommand(CommandMessage):
 
 
 class UndoCalibrationCommand(CommandMessage):
-    """Go back to the calibration before the last one; a second undo takes that back."""
+    """Go back to the calibration before the last one by driving; a second undo takes that back."""
 
     type: Literal["undo_calibration"]
 

@@ -14,9 +14,9 @@ class StartMapCommand(CommandMessage):
 
     type: Literal["start_map"]
     discard: bool = False
-    """Whether to forget the map that there is; otherwise it is kept, and the command is refused."""
+    """Whether to forget an unsaved map; otherwise the command is refused if there is one."""
     paused: bool = False
-    """Whether to begin paused: pictures are added from ``pause_map`` on."""
+    """Whether to begin paused: no pictures are added until ``pause_map`` resumes."""
 
 
 class PauseMapCommand(CommandMessage):

@@ -35,7 +35,7 @@ class PoseFitsMessage(Message):
     power: float
     """Share of the log-likelihood that counts in a weight."""
     extra_sd: float
-    """Standard deviation [m] added to the ranges', because the particles lie apart."""
+    """Standard deviation [m] added (in squares) to the ranges', because the particles lie apart."""
     bearings: list[float]
     ranges: list[float | None]
     """Measured ranges [m]; null means no return."""

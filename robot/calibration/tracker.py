@@ -36,7 +36,8 @@ PERIOD_S, STEP = 0.2, 0.05
 WINDOW, CHECK = 25, 9
 """Pictures of a window, and new ones between two checks: 5 and 1.8 s of driving."""
 MEASURED = (25, 50, 75)
-"""A camera that has moved is measured from this many pictures, one after the other."""
+"""A camera that has moved is measured from this many pictures, the fewest first: each time
+better."""
 MEMORY_S = 60.0
 """Pictures and wheels older than this are forgotten [s]: the robot may have stood in between."""
 SUSPECT = 11.3

@@ -18,7 +18,7 @@ from robot.mapping.bare_floor import gaps
 from robot.mapping.strokes import Stroke, Strokes
 
 BEFORE, BEYOND = 0.12, 0.20
-"""How far before and beyond the end of its trace the end of tape is searched for [m]."""
+"""The end of tape is searched for this far before and beyond the end of its trace [m]."""
 STEEP = math.sin(math.radians(25))
 """Sine of the least angle between tape and a ray that crosses it."""
 ON_EDGE = 0.003
@@ -31,8 +31,8 @@ FACE = 0.006
 LEAST_FACE, FACE_SD = 6, 0.004
 """The end is where rays met it, if at least this many did, and they scatter less than this [m]."""
 BENT, BEND_OFF = 0.08, 0.005
-"""Tape that bends over this length of its end [m] is assumed to go on bending. A place is straight
-ahead as long as the tape would lie less than this beside it [m]."""
+"""Tape that bends over this length of its end [m] is assumed to go on bending. Its end is searched
+straight ahead only while the bend is off that line by less than the second [m]."""
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ from robot.mapping.strokes import Stroke, Strokes
 
 GAP, UNSEEN_GAP = 0.40, 0.12
 """Strokes that continue each other are one if they are nearer than the first [m]. Rays have to see
-the tape in between, except for the second."""
+the tape in between, except for at most the second [m]."""
 OVERLAPPING = 0.4
 """... or overlap by less than this [m]."""
 SMALLEST_RING = 0.6

@@ -48,8 +48,8 @@ from robot.mapping.tidying import tidied
 from robot.mapping.tracing import Cells, Middles, trace
 
 WINDOW, WINDOW_SHARE = 8, 0.015
-"""Fewest pictures by which the window grows, and fewest as a share of all. Long drives are adjusted
-less often, because each adjustment is of the whole drive."""
+"""The window grows by at least the first [pictures], and by at least the second, a share of all.
+Long drives are adjusted less often, because each adjustment is of the whole drive."""
 START_SD, LOOSE_SD = np.array([1e-4, 1e-4, 1e-4]), np.array([1e-3, 1e-3, 3e-3])
 """The map begins where the robot does; it is held there less while it grows [m, m, rad]."""
 WHEELS_SD = np.array([0.02, 0.02, 0.03])
@@ -59,8 +59,8 @@ KNOWN_SD = 1e-3
 RULER_SD = 1e-4
 """Standard deviation of the tape's width where it is the only ruler [m]."""
 LEAST_GATE, MOST_GATE = 0.015, 0.12
-"""Edges farther than this from known ones are new [m]: if the pose is exactly known, and at
-most."""
+"""Edges farther from known ones than this are new [m]: the first if the pose is exactly known, at
+most the second."""
 AHEAD = 0.4
 """How far ahead most edges are seen [m]."""
 LEAST_MATCHED = 0.2

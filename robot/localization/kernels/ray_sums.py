@@ -209,7 +209,8 @@ def _find_cells(
 
 @njit(cache=True, nogil=True)
 def _read(table: Words, cell_pairs: NDArray[np.uint64], word_pairs: NDArray[np.uint64]) -> None:
-    """Read words of the table; written in pairs, as processors write more slowly."""
+    """Read words of the table; write them in pairs, as processors write more slowly than they
+    read."""
     for i in range(len(cell_pairs)):
         pair = cell_pairs[i]
         second = uint64(table[pair >> uint64(32)])

@@ -156,7 +156,7 @@ def _powers(
     """Fill ``new`` with weights times likelihoods to a power; return its sum and sum of squares."""
     total = squares = 0.0
     for i in range(len(weights)):
-        # A particle without weight may fit better than the best one, and exp would overflow.
+        # A particle without weight may fit better than the best with weight: exp would overflow.
         product = weights[i] * math.exp(power * min(log_likelihood[i] - best, 0.0))
         new[i] = product
         total += product

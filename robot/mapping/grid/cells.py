@@ -16,7 +16,7 @@ FREE, TAKEN, MOST = -0.4, 0.85, 4.0
 """Log odds that a beam adds to a cell that it runs through, to one that it meets, and the largest
 that a cell may have: later beams can still change it (Probabilistic Robotics, Table 9.1)."""
 NEIGHBOURS = 1
-"""How many cells around its end are searched for what a beam met."""
+"""What a beam met is searched for in this many cells to each side of its end."""
 FEWEST_ENDS = 3
 """Fewest ends of beams that tell a wall's direction."""
 RANDOM = 0.05
