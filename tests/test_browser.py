@@ -1,6 +1,7 @@
 """The page in a real Chromium: driving, telling a pose, and stopping when the page goes away."""
 
 import math
+from collections import Counter
 from collections.abc import Iterator
 from itertools import pairwise
 
@@ -175,12 +176,11 @@ def test_on_a_phone_the_panels_are_tabs_and_stop_is_always_there(browser, server
             boxes = [page.locator(f"#{name}").bounding_box() for name in shown[tab.text_content()]]
             boxes.sort(key=lambda box: box["y"])
             assert all(a["y"] + a["height"] <= b["y"] for a, b in pairwise(boxes))
-        assert shown == {
-            "Camera": ["camera", "drive", "sharing"],
-            "Map": ["map", "drive"],
-            "3D": ["view", "drive"],
-            "Filter": ["drive", "filter", "plots"],
-        }
+        assert {"camera", "sharing"} <= set(shown["Camera"])
+        assert {"filter", "plots"} <= set(shown["Filter"])
+        times = Counter(name for names in shown.values() for name in names)
+        assert times.pop("drive") == len(shown)
+        assert set(times.values()) == {1}
         panels = page.evaluate(
             "[...document.querySelectorAll('main > .panel')].map(panel => panel.id)"
         )

@@ -53,7 +53,7 @@ class MotionModel(Protocol):
         """Return mean and covariance (3, 3) [m, m, rad] of a step's end, seen from its start.
 
         Filters without particles need them. They are the moments of ``sample`` to first order, in
-        closed form; a model without a closed form may return ``sampled_moments``.
+        closed form; a user's own model without a closed form gets ``sampled_moments``.
 
         Args:
             moved: the step by odometry, seen from its start.
