@@ -169,6 +169,7 @@ def test_on_a_phone_the_panels_are_tabs_and_stop_is_always_there(browser, server
             assert any(
                 button.is_visible() for button in page.get_by_role("button", name="STOP").all()
             )
+            expect(page.locator("#joystick")).to_be_visible()
             shown[tab.text_content()] = page.evaluate(
                 "[...document.querySelectorAll('main > .panel')]"
                 ".filter(panel => panel.checkVisibility()).map(panel => panel.id)"
