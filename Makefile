@@ -7,9 +7,6 @@ PEER := $(shell sed -n 's/^peers = \["\(.*\)"\].*/\1/p' pyproject.toml)
 # A Pi's camera library, picamera2, comes with the system; the environment has to see it.
 HAS_CAMERA := -c 'from importlib.util import find_spec; exit(find_spec("picamera2") is None)'
 PIP := $(BIN)/python -m pip --disable-pip-version-check install --quiet
-# The locks have the files for these machines; elsewhere only the versions are fixed.
-HAS_HASHES := -c 'import platform as p, sys; exit(not ((3, 11) <= sys.version_info < (3, 14) and \
-  p.libc_ver()[0] == "glibc" and p.machine() in ("x86_64", "aarch64")))'
 PIP_AUDIT := pip-audit==2.10.1
 MINUTES ?= 60
 # From kept bytecode a program starts in a third of the time; tests start hundreds.
@@ -17,18 +14,34 @@ export PYTHONDONTWRITEBYTECODE :=
 APT_INSTALL := DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends
 NPM_CI := npm ci --prefix .venv --ignore-scripts --no-audit --no-fund --loglevel=error
 
+# The environment is made anew for another Python that is asked for, and where its own is gone.
+DRY := $(findstring n,$(filter-out -%,$(firstword $(MAKEFLAGS))))
+ifneq ($(and $(wildcard .venv),$(filter-out help,$(MAKECMDGOALS)),$(if $(DRY),,really)),)
+VERSION := -c 'import sys; v = sys.version_info; print("%d.%d" % v[:2] if v >= (3, 11) else "")'
+HAVE := $(shell $(BIN)/python $(VERSION) 2>/dev/null)
+WANT := $(if $(filter file,$(origin PYTHON)),$(HAVE),$(shell $(PYTHON) $(VERSION) 2>/dev/null))
+ifneq ($(or $(WANT),$(filter file,$(origin PYTHON))),)
+ifneq ($(HAVE),$(or $(WANT),none))
+$(info Making .venv anew$(if $(WANT), for Python $(WANT)): it was of $(or $(HAVE),a Python that is gone).)
+$(shell rm -rf .venv)
+endif
+else
+$(error $(PYTHON) is no Python 3.11 or newer)
+endif
+endif
+
 # Install a lock, then the project itself, whose files have no hash.
 define install
-if $(BIN)/python $(HAS_HASHES); then \
-  $(PIP) --require-hashes --requirement $(1) && \
-  $(PIP) --no-deps --no-build-isolation --editable .; \
-else \
-  echo "Installing without hashes: the locks are for Linux with Python 3.11 to 3.13." >&2; \
-  $(PIP) --constraint constraints.txt --editable '$(2)'; fi
+$(PIP) --require-hashes --requirement $(1) && \
+$(PIP) --no-deps --no-build-isolation --editable .
 endef
 
+# Tests beside each other, on two cores: most of the quick ones wait now and then, so three at once.
+# A slow one has processes of its own (a program, a browser) and would only be kept waiting.
+TEST_BESIDE = OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest --dist loadfile --no-loadscope-reorder
+
 .DEFAULT_GOAL := help
-.PHONY: help run install test check format fuzz lock audit bench
+.PHONY: help run install test test-rest test-all check format fuzz lock platforms audit bench
 .PHONY: browser peers node-peers dds-peer official-library
 
 help: ## show this list
@@ -39,30 +52,43 @@ run: install ## set up, then serve the dashboard (PORT=9000 make run for another
 
 install: .venv/installed ## set up the virtual environment
 
-# Tests that assert when a program, a page or a port does something have the machine to themselves;
-# the others wait a lot. What is compiled first: code read from the cache gives other last digits.
-test: .venv/installed-dev browser node-peers dds-peer ## run every test
+# Code is compiled first: code read from the cache gives other last digits.
+test: .venv/installed-dev browser node-peers dds-peer ## run the tests that a change is tried with, in some minutes
 	$(BIN)/python -m app.tools.warm_up
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -m "not real_time" \
-	  -n 3 --dist loadfile --no-loadscope-reorder
-	$(BIN)/python -m pytest -m real_time $$(grep -l mark.real_time tests/test_*.py)
+	$(TEST_BESIDE) -n 3 -m "not real_time and not slow"
 
-check: .venv/installed-dev ## lint, names, types, and who may import whom
+# Tests that assert when a program, a page or a port does something have the machine to themselves;
+# the others wait a lot.
+test-rest: .venv/installed-dev browser node-peers dds-peer ## run those that make test leaves out, for three quarters of an hour
+	$(BIN)/python -m app.tools.warm_up
+	$(TEST_BESIDE) -n 2 -m "slow and not real_time"
+	$(BIN)/python -m pytest -m real_time $$(grep -rl --include='test_*.py' mark.real_time tests)
+
+test-all: test test-rest ## run every test
+
+check: .venv/installed-dev ## lint, names, types, who may import whom, public workflow, container
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(BIN)/python tests/lint_names.py
+	$(BIN)/python tests/project/lint_names.py
+	$(BIN)/python tests/project/lint_modules.py
 	$(BIN)/mypy
 	$(BIN)/lint-imports --no-logo
+	$(BIN)/check-jsonschema --builtin-schema vendor.github-workflows .github/workflows/*.yml
+	$(BIN)/zizmor --offline --quiet .github/workflows
+	$(BIN)/hadolint Dockerfile
 
 format: .venv/installed-dev ## tidy the source
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
 
 fuzz: .venv/installed-dev ## feed every reader damaged files for an hour (MINUTES=5 make fuzz)
-	PYTHONPATH=.:tests OPENBLAS_NUM_THREADS=1 $(BIN)/python tests/fuzz/campaign.py --minutes $(MINUTES)
+	PYTHONPATH=.:tests:tests/helpers OPENBLAS_NUM_THREADS=1 $(BIN)/python tests/fuzz/campaign.py --minutes $(MINUTES)
 
 lock: .venv/installed-dev ## write the hashes of all that is installed, after a change of versions
-	$(BIN)/python tests/lock_requirements.py
+	$(BIN)/python tests/project/lock_requirements.py
+
+platforms: .venv/installed-dev ## ask a resolver what is installed on which system, with which physics
+	$(BIN)/python tests/project/resolved_platforms.py
 
 audit: .venv/bin/python ## ask a public database for known weaknesses of what is installed
 	@[ -x .venv/audit/bin/pip-audit ] || { $(PYTHON) -m venv .venv/audit && \
@@ -114,7 +140,7 @@ browser:
 
 .venv/installed: pyproject.toml constraints.txt requirements.lock | .venv/bin/python
 	@echo "Setting up .venv (once) ..."
-	@$(call install,requirements.lock,.)
+	@$(call install,requirements.lock)
 	@# The system's simplejpeg, which picamera2 imports, is made for the system's older numpy.
 	@! $(BIN)/python $(HAS_CAMERA) || $(PIP) --ignore-installed --no-deps simplejpeg==1.9.0
 	@echo "Compiling (once) ..."
@@ -123,7 +149,7 @@ browser:
 
 .venv/installed-dev: .venv/installed requirements-dev.lock
 	@echo "Setting up the tools for tests and checks (once) ..."
-	@$(call install,requirements-dev.lock,.[dev])
+	@$(call install,requirements-dev.lock)
 	@# What pytest makes of each test's source is kept, too; its workers would all make it at once.
 	@$(BIN)/python -m pytest --collect-only -qq >/dev/null
 	@touch $@

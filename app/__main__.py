@@ -12,7 +12,9 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 def main() -> int:
     """Run the command line; return the exit code."""
     end_at_once()
-    from app import command_line  # noqa: PLC0415
+    from app import command_line, console  # noqa: PLC0415
+
+    console.never_fail_to_print()
 
     return command_line.main()
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
+import re
 import shutil
 import tempfile
 import uuid
@@ -12,7 +14,11 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from app.operating_system import replace_file
 from robot.settings import SettingError
+
+DEVICE = re.compile(r"(?:con|prn|aux|nul|com\d|lpt\d)(?:\..*)?|.*\.", re.IGNORECASE)
+"""Names that Windows takes for a device, whatever follows a dot; and a last dot, which it drops."""
 
 RESULTS = "results.json"
 """Written last and removed first: where it exists, the other files are of the same run."""
@@ -41,7 +47,7 @@ def atomic_folder(folder: Path) -> Iterator[Path]:
             old = folder / new.name
             if old.is_dir():
                 shutil.rmtree(old)
-            new.replace(old)
+            replace_file(new, old)
     finally:
         shutil.rmtree(beside, ignore_errors=True)
 
@@ -61,24 +67,60 @@ def atomic_file(path: Path) -> Iterator[Path]:
     new = path.with_name(f".unfinished-{uuid.uuid4().hex}{path.suffix}")
     try:
         yield new
-        with new.open("rb") as written:
+        with new.open("r+b") as written:  # Windows flushes only what is open for writing
             os.fsync(written.fileno())
-        new.replace(path)
+        replace_file(new, path)
+    except OSError as error:
+        if error.filename is not None and os.fspath(error.filename) == str(new):
+            error.filename = str(path)  # nobody knows the other name
+        raise
     finally:
         new.unlink(missing_ok=True)
+
+
+def require_writable(*paths: Path) -> None:
+    """Make sure that files can be written, before much work is done for them.
+
+    Raises:
+        SettingError: one cannot; says why.
+    """
+    for path in paths:
+        try:
+            if path.is_dir():
+                raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
+            path.parent.mkdir(parents=True, exist_ok=True)
+            _try_to_write(path.parent)
+        except OSError as error:
+            raise SettingError(
+                f"{path} cannot be written: {error.strerror}; valid is a file in a folder that you "
+                "may write to"
+            ) from error
+
+
+def _try_to_write(folder: Path) -> None:
+    """Write a file and remove it; OSError if that fails."""
+    with tempfile.NamedTemporaryFile(prefix=".unfinished-", dir=folder):
+        pass
+
+
+def is_portable(name: str) -> bool:
+    """Return whether each system takes a file of a name that has no special signs otherwise."""
+    return DEVICE.fullmatch(name) is None
 
 
 def make_folder(folder: Path) -> None:
     """Make a folder for results, before there are any.
 
     Raises:
-        SettingError: the folder cannot be made.
+        SettingError: the folder cannot be made, or not written to.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
+        _try_to_write(folder)
     except OSError as error:
         raise SettingError(
-            f"{folder} cannot be written to: {error.strerror}; valid is a folder"
+            f"{folder} cannot be written to: {error.strerror}; valid is a folder that you may "
+            "write to"
         ) from error
 
 

@@ -1,4 +1,4 @@
-"""What SIGINT (Ctrl-C) and SIGTERM do, by what the program has to clean up.
+"""Interruption by SIGINT (Ctrl-C), SIGTERM or SIGBREAK (Windows), by what there is to clean up.
 
 Python raises KeyboardInterrupt wherever the program happens to be. Within an import or a callback
 from C, other code may print it with a traceback, or drop it, and the program goes on. So a signal
@@ -8,6 +8,7 @@ from C, other code may print it with a traceback, or drop it, and the program go
 * raises nothing, in a loop that ends when it is asked to: ``deferred``.
 
 The exit code is that of a shell, 128 and the signal's number: 130 after Ctrl-C, 143 after SIGTERM.
+Windows sends SIGBREAK at Ctrl-Break, and when the terminal's window is closed: 149.
 This module imports little, as signals are not handled before it is there.
 """
 
@@ -17,11 +18,15 @@ import atexit
 import os
 import signal
 import sys
+import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from types import FrameType
 
-SIGNALS = (signal.SIGINT, signal.SIGTERM)
+SIGNALS = tuple(
+    getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGBREAK") if hasattr(signal, name)
+)
+"""Those that ask the program to end, as far as this system has them."""
 
 AGAIN_S = 0.1
 """Interval of raising ``Interrupted`` until it is noticed [s]."""
@@ -69,8 +74,10 @@ def interruptible() -> Iterator[None]:
     def interrupt(number: int, frame: FrameType | None) -> None:
         taken.append(number)
         if not _is_noticed(sys.exception()):
-            signal.setitimer(signal.ITIMER_REAL, AGAIN_S, AGAIN_S)
+            alarm.start()
             raise Interrupted(taken[0])
+
+    alarm = _TimerAlarm() if hasattr(signal, "setitimer") else _ThreadAlarm()
 
     hook = sys.unraisablehook
     sys.unraisablehook = lambda given: (
@@ -78,10 +85,13 @@ def interruptible() -> Iterator[None]:
     )
     try:
         # The alarm's handler is there before the others, and after them.
-        with _handlers(interrupt, (signal.SIGALRM,)):
+        with _handlers(interrupt, alarm.signals):
             try:
                 with _handlers(interrupt, SIGNALS):
-                    yield
+                    try:
+                        yield
+                    finally:
+                        alarm.end()
             except Exception as error:
                 # C code makes a SystemError of an exception that it did not expect, or drops it and
                 # fails at what it left undone. A failure while cleaning up is another matter.
@@ -89,7 +99,7 @@ def interruptible() -> Iterator[None]:
                     raise Interrupted(taken[0]) from None
                 raise
             finally:
-                signal.setitimer(signal.ITIMER_REAL, 0)
+                alarm.end()
     finally:
         sys.unraisablehook = hook
     if taken:
@@ -116,6 +126,69 @@ def deferred(stop: Callable[[], object] = lambda: None) -> Iterator[Callable[[],
         yield lambda: bool(taken)
     if taken:
         raise Interrupted(taken[0])
+
+
+@contextmanager
+def uninterrupted() -> Iterator[None]:
+    """Let a signal wait for the end of the block, and do then what it would have done.
+
+    A block for what must not be left half done, and is short. In other threads than the main one
+    no signal raises anything.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    taken: list[int] = []
+    try:
+        with _handlers(lambda number, frame: taken.append(number), SIGNALS):
+            yield
+    finally:
+        if taken:
+            signal.raise_signal(taken[0])
+
+
+class _TimerAlarm:
+    """Sends a signal again and again."""
+
+    def __init__(self) -> None:
+        self.signals: tuple[signal.Signals, ...] = (signal.SIGALRM,)
+        """What it sends, beside ``SIGNALS``."""
+
+    def start(self) -> None:
+        """Begin; may be called while it runs."""
+        signal.setitimer(signal.ITIMER_REAL, AGAIN_S, AGAIN_S)
+
+    def end(self) -> None:
+        """End; may be called twice, and before the start."""
+        signal.setitimer(signal.ITIMER_REAL, 0)
+
+
+class _ThreadAlarm:
+    """The same on Windows, which has no timers: a thread sends what Ctrl-C sends.
+
+    It is ended for good while ``SIGNALS`` still have their handler: after that, its signal would
+    end the program.
+    """
+
+    def __init__(self) -> None:
+        self.signals: tuple[signal.Signals, ...] = ()
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._send, name="interruption", daemon=True)
+
+    def start(self) -> None:
+        """Begin; may be called while it runs."""
+        if self._thread.ident is None and not self._ended.is_set():
+            self._thread.start()
+
+    def end(self) -> None:
+        """End; may be called twice, and before the start."""
+        self._ended.set()
+        if self._thread.ident is not None:
+            self._thread.join()
+
+    def _send(self) -> None:
+        while not self._ended.wait(AGAIN_S):
+            signal.raise_signal(signal.SIGINT)
 
 
 @contextmanager

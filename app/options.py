@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from app.settings.conditions import apply_condition, condition_names
 from app.settings.config import Config, load_config
-from robot.settings import SettingError
 
 OPTIONS = ("robot", "profile", "host", "port", "seed", "sensor_model", "motion_model", "models")
 """Options that set the top-level settings of the same names."""
@@ -17,22 +17,8 @@ OPTIONS = ("robot", "profile", "host", "port", "seed", "sensor_model", "motion_m
 START_OPTIONS = ("restore_pose", "pose_file")
 """Options that set the settings of the same names in ``start_pose``."""
 
-ROUTE_OPTIONS = {"ros2": "dds", "foxglove": "foxglove"}
-"""Settings of ``ros2`` by the options that set them."""
-
 Commands = Any
 """What ``add_subparsers`` returns."""
-
-
-class CommandParser(argparse.ArgumentParser):
-    """Options are not abbreviated, and one that is not given has no value, not even None.
-
-    So a setting in a file is overridden only by what was typed. Subcommands inherit this.
-    """
-
-    def __init__(self, *args: Any, **kwargs: Any) -> None:
-        usual: dict[str, Any] = {"argument_default": argparse.SUPPRESS, "allow_abbrev": False}
-        super().__init__(*args, **(usual | kwargs))
 
 
 def add_map(command: argparse.ArgumentParser) -> None:
@@ -134,17 +120,22 @@ def config_from(parsed: argparse.Namespace) -> Config:
     if "camera" in given:
         over["camera"] = replace(config.camera, source=given["camera"])
     config = replace(config, **over)
-    if "record" in given:
-        if not given["record"]:
-            raise SettingError("--record is ''; valid is a folder")
-        recording = replace(config.recording, record=True, folder=given["record"])
-        config = replace(config, recording=recording)
-    routes = {name: given[option] for option, name in ROUTE_OPTIONS.items() if option in given}
-    config = replace(config, ros2=replace(config.ros2, **routes))
+    if "features" in given:
+        config = given["features"].with_run_options(config, given)
     return apply_condition(config, given["condition"]) if "condition" in given else config
 
 
 def config_of(given: dict[str, Any]) -> Config:
     """Return the configuration of the file, if one is given, overridden by map and profile."""
-    config = load_config(given["config"]) if "config" in given else Config()
+    config = config_file(given)
     return replace(config, **{name: given[name] for name in ("map", "profile") if name in given})
+
+
+def config_file(given: Mapping[str, Any]) -> Config:
+    """Return the configuration of the file, if one is given; else the defaults."""
+    if given.get("config") is None:
+        return Config()
+    features = given.get("features")
+    if features is None:
+        return load_config(given["config"])
+    return load_config(given["config"], features.settings, features.left_out)

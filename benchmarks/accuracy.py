@@ -17,14 +17,14 @@ from typing import TypeVar
 
 import numpy as np
 
-from app.lab.evaluation.drives import Drive, Kidnap, random_pose_on_eight, record
-from app.lab.evaluation.integrity.oracle import field_decides
-from app.lab.trajectories.metrics import rms
+from app.features.lab.evaluation.drives import Drive, Kidnap, random_pose_on_eight, record
+from app.features.lab.evaluation.integrity.oracle import field_decides
+from app.features.lab.trajectories.metrics import rms
 from app.settings.config import Config
 from benchmarks.result import Result
 from benchmarks.trials import (
-    Calibration,
     PictureResult,
+    WeightCalibration,
     is_right,
     right_for_good,
     setup_of,
@@ -117,7 +117,7 @@ def track(clutter: str, seed: int) -> dict[str, Tracked]:
 
 
 @dataclass(frozen=True, slots=True)
-class Outcome:
+class SearchOutcome:
     """Result of one filter on a drive that begins, or continues, at an unknown place."""
 
     right: bool
@@ -133,7 +133,7 @@ class Outcome:
     shown: list[PictureResult]
 
 
-Runs = list[tuple[float, dict[str, Outcome]]]
+Runs = list[tuple[float, dict[str, SearchOutcome]]]
 """For each robot the time until the field decides [s], and the result of each filter."""
 
 
@@ -145,7 +145,7 @@ def lap(map_name: str, seed: int) -> Drive:
     return record(Config(robot="sim", seed=seed, map=map_name), LAP, start=start, elapsed=elapsed)
 
 
-def find_with(change: Callable[[Setup], Setup], map_and_seed: tuple[str, int]) -> Outcome:
+def find_with(change: Callable[[Setup], Setup], map_and_seed: tuple[str, int]) -> SearchOutcome:
     """Scatter, and drive one lap with the default filter and a changed setup."""
     map_name, seed = map_and_seed
     drive, parameters = lap(map_name, seed), LocalizationParameters()
@@ -153,7 +153,7 @@ def find_with(change: Callable[[Setup], Setup], map_and_seed: tuple[str, int]) -
     return judged(try_filter(drive, parameters, seed, setup=setup), 0.0)
 
 
-def find(map_and_seed: tuple[str, int]) -> tuple[float, dict[str, Outcome]]:
+def find(map_and_seed: tuple[str, int]) -> tuple[float, dict[str, SearchOutcome]]:
     """Scatter, and drive one lap; return when the field decides [s], and each filter's result."""
     map_name, seed = map_and_seed
     drive = lap(map_name, seed)
@@ -161,7 +161,7 @@ def find(map_and_seed: tuple[str, int]) -> tuple[float, dict[str, Outcome]]:
     return field_decides(drive, 0.0), {name: judged(shown, 0.0) for name, shown in tried.items()}
 
 
-def find_again(map_and_seed: tuple[str, int]) -> tuple[float, dict[str, Outcome]]:
+def find_again(map_and_seed: tuple[str, int]) -> tuple[float, dict[str, SearchOutcome]]:
     """Return the same for a robot that knew its place and was carried off unseen."""
     map_name, seed = map_and_seed
     rng = np.random.default_rng([seed, 7])
@@ -184,7 +184,7 @@ def find_again(map_and_seed: tuple[str, int]) -> tuple[float, dict[str, Outcome]
     }
 
 
-def judged(shown: list[PictureResult], since: float) -> Outcome:
+def judged(shown: list[PictureResult], since: float) -> SearchOutcome:
     """Return the result of a filter from a stamp [s] on."""
     last = shown[-1]
     turned = [Pose2(theta=quarter * math.pi / 2) @ last.truth for quarter in range(4)]
@@ -192,7 +192,7 @@ def judged(shown: list[PictureResult], since: float) -> Outcome:
         max((h.weight for h in last.hypotheses if is_right(h.pose, pose)), default=0.0)
         for pose in turned
     ]
-    return Outcome(
+    return SearchOutcome(
         last.right,
         right_for_good(shown, since) - since,
         wrong_first_claim([picture for picture in shown if picture.stamp >= since]),
@@ -205,7 +205,7 @@ def judged(shown: list[PictureResult], since: float) -> Outcome:
 def measure() -> Result:
     """Run all parts, which takes several minutes."""
     more = tracking("none") | tracking("all")
-    scattered, carried = Calibration(), Calibration()
+    scattered, carried = WeightCalibration(), WeightCalibration()
     more |= places(scattered) | carried_off(carried)
     for name, claims in (
         ("all", scattered + carried), ("scattered", scattered), ("carried off", carried)
@@ -231,7 +231,7 @@ def tracking(clutter: str) -> dict[str, float]:
     return more
 
 
-def places(calibration: Calibration) -> dict[str, float]:
+def places(calibration: WeightCalibration) -> dict[str, float]:
     """Start scattered on marked fields and on the plain square."""
     more: dict[str, float] = {}
     for map_name in (*MARKED, "square"):
@@ -254,7 +254,7 @@ def places(calibration: Calibration) -> dict[str, float]:
     return more
 
 
-def carried_off(calibration: Calibration) -> dict[str, float]:
+def carried_off(calibration: WeightCalibration) -> dict[str, float]:
     """Carry robots off, unseen, on marked fields."""
     more: dict[str, float] = {}
     for map_name in MARKED:
@@ -268,7 +268,7 @@ def carried_off(calibration: Calibration) -> dict[str, float]:
     return more
 
 
-def fared(name: str, outcomes: list[Outcome], total: str) -> dict[str, float]:
+def fared(name: str, outcomes: list[SearchOutcome], total: str) -> dict[str, float]:
     """Return how many found their place, and when."""
     seconds = [outcome.seconds for outcome in outcomes]
     return {
@@ -283,7 +283,7 @@ def oracle(name: str, runs: Runs) -> dict[str, float]:
     return {f"{name}, oracle: median until decided [s]": decided}
 
 
-def ours(name: str, runs: Runs, calibration: Calibration) -> dict[str, float]:
+def ours(name: str, runs: Runs, calibration: WeightCalibration) -> dict[str, float]:
     """Return the computing times of the default filter; add its claims to the calibration."""
     outcomes = [run["hypotheses"] for _, run in runs]
     for outcome in outcomes:

@@ -11,7 +11,7 @@ from collections.abc import Callable, Coroutine
 from contextlib import closing, suppress
 from typing import Any
 
-from app.page.listening import raise_descriptors
+from app.operating_system import raise_descriptors
 
 READERS = 50
 HEADS = 300
@@ -25,6 +25,7 @@ RETRY_S = 1.0
 """After this time [s], a client that was closed comes again."""
 
 Client = Callable[[str], Coroutine[Any, Any, None]]
+PICTURES = json.dumps({"op": "subscribe", "topic": "/camera/image/compressed"})
 
 
 def get(path: str, address: str) -> bytes:
@@ -104,8 +105,6 @@ async def wait(address: str) -> None:
         await reader.read()
     await asyncio.Event().wait()
 
-
-PICTURES = json.dumps({"op": "subscribe", "topic": "/camera/image/compressed"})
 
 CROWDS: dict[str, tuple[Client, int]] = {
     "live": (reads("/api/live"), READERS),

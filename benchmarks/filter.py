@@ -47,7 +47,7 @@ PARAMETERS = LocalizationParameters()
 
 
 @dataclass(frozen=True)
-class Step:
+class FilterStep:
     """Odometry before and after a step, and the scan after it."""
 
     before: Pose2
@@ -84,7 +84,7 @@ def _compare(field: Field, count: int) -> dict[str, float]:
     }
     for peer in peers.values():
         peer.start(Pose2(), SD_XY, SD_THETA)
-    work: dict[str, Callable[[Step], float]] = {"brickpose": lambda step: update(ours, step)}
+    work: dict[str, Callable[[FilterStep], float]] = {"brickpose": lambda step: update(ours, step)}
     for name, peer in peers.items():
         work[name] = partial(_update_peer, peer)
     taken: dict[str, list[float]] = {name: [] for name in work}
@@ -96,7 +96,7 @@ def _compare(field: Field, count: int) -> dict[str, float]:
     return {name: float(np.median(times)) for name, times in taken.items()}
 
 
-def _update_peer(peer: Nav2Amcl, step: Step) -> float:
+def _update_peer(peer: Nav2Amcl, step: FilterStep) -> float:
     return peer.update(step.before, step.after, step.scan)
 
 
@@ -118,7 +118,7 @@ def ours_on(field: Field, count: int) -> ParticleFilter:
     return made
 
 
-def update(belief: ParticleFilter, step: Step) -> float:
+def update(belief: ParticleFilter, step: FilterStep) -> float:
     """Update the filter and return the computing time, with the estimate [s]."""
     moved = step.before.inverse() @ step.after
     start = time.thread_time()
@@ -130,7 +130,7 @@ def update(belief: ParticleFilter, step: Step) -> float:
     return taken
 
 
-def drive(field: Field, count: int, rays: int = 60) -> Iterator[Step]:
+def drive(field: Field, count: int, rays: int = 60) -> Iterator[FilterStep]:
     """Drive along a circle at 15 scans/s; odometry errs by 1 % and 2 %, ranges by 0.3 mm."""
     rng = np.random.default_rng(7)
     bearings = np.radians(np.linspace(-31, 31, rays))
@@ -142,7 +142,7 @@ def drive(field: Field, count: int, rays: int = 60) -> Iterator[Step]:
         ranges = np.empty((1, rays))
         cast_rays(truth.to_array()[None], bearings, field.edge_index, 1.0, ranges)
         noisy = ranges[0] + rng.normal(0, 0.0003, rays)
-        yield Step(before, odometry, Scan(tick / 15, bearings, noisy))
+        yield FilterStep(before, odometry, Scan(tick / 15, bearings, noisy))
 
 
 def _memory() -> dict[str, float]:

@@ -7,8 +7,8 @@ import time
 import numpy as np
 
 from app.engine.build import build_program
-from app.engine.mapping.map_drawer import MapDrawer
 from app.engine.program import Program
+from app.features.mapping.map_drawer import MapDrawer
 from app.messages.driving_commands import FigureEightCommand
 from app.settings.config import Config
 from benchmarks.result import Result

@@ -39,7 +39,7 @@ Telemetry = dict[str, Any]
 
 
 @dataclass(frozen=True)
-class Server:
+class ServedProgram:
     """A running ``brickpose run``."""
 
     process: subprocess.Popen[str]
@@ -82,18 +82,23 @@ class Server:
 
 @contextmanager
 def started(
-    *words: str, says: str, stderr: int | None = None, prefix: Sequence[str] = ()
+    *words: str,
+    says: str,
+    stderr: int | None = None,
+    prefix: Sequence[str] = (),
+    begin: type[subprocess.Popen[str]] = subprocess.Popen,
 ) -> Iterator[tuple[subprocess.Popen[str], str]]:
     """Start ``brickpose`` with these words, and end it as a service is ended.
 
-    ``says`` is a regular expression with a group, ``prefix`` a command that starts commands.
+    ``says`` is a regular expression with a group, ``prefix`` a command that starts commands,
+    ``begin`` what starts a process.
     Yields the process, and what the group matches in the first line of its output that matches.
 
     Raises:
         RuntimeError: the process ends before such a line.
         subprocess.TimeoutExpired: the process does not end; it is killed.
     """
-    process = subprocess.Popen(
+    process = begin(
         [*prefix, sys.executable, "-m", "app", *words],
         cwd=ROOT,
         stdin=subprocess.DEVNULL,
@@ -136,13 +141,16 @@ def check_ended_well(process: subprocess.Popen[str]) -> None:
 
 @contextmanager
 def server(
-    *options: str, stderr: int | None = None, prefix: Sequence[str] = ()
-) -> Iterator[Server]:
+    *options: str,
+    stderr: int | None = None,
+    prefix: Sequence[str] = (),
+    begin: type[subprocess.Popen[str]] = subprocess.Popen,
+) -> Iterator[ServedProgram]:
     """Start ``brickpose run`` on a free port; see ``started``."""
     says = r"http://([^\s/]+)"
     words = ("run", "--port", "0", *options)
-    with started(*words, says=says, stderr=stderr, prefix=prefix) as (process, address):
-        yield Server(process, address)
+    with started(*words, says=says, stderr=stderr, prefix=prefix, begin=begin) as begun:
+        yield ServedProgram(*begun)
 
 
 def telemetry(socket: Connection) -> Telemetry:

@@ -10,7 +10,7 @@ import numpy as np
 from app.engine.build import build_program
 from app.engine.program import Program
 from app.engine.snapshot import Snapshot
-from app.lab.evaluation.runs import time_to_converge
+from app.features.lab.evaluation.runs import time_to_converge
 from app.messages.commands import SetPoseCommand
 from app.messages.driving_commands import FigureEightCommand
 from app.settings.config import Config
@@ -32,7 +32,7 @@ WATCHED = 9.0
 
 
 @dataclass(frozen=True)
-class Recovery:
+class RecoveryRun:
     """One robot's run."""
 
     seconds: float
@@ -43,7 +43,7 @@ class Recovery:
     """The same for dead reckoning alone [m]."""
 
 
-def recover(seed: int) -> Recovery:
+def recover(seed: int) -> RecoveryRun:
     """Give a robot with the default imperfections a wrong pose while it drives."""
     program = build_program(Config(robot="sim", seed=seed))
     start = _drive(program, BEFORE)[-1]
@@ -59,7 +59,7 @@ def recover(seed: int) -> Recovery:
     program.robot.close()
     seconds = _seconds(shown) + shown[0].stamp - start.stamp
     settled = [s for s in shown if s.stamp > start.stamp + seconds + 1]
-    return Recovery(
+    return RecoveryRun(
         seconds,
         _mean([s.pose for s in settled], settled),
         _mean([s.odometry for s in settled], settled),

@@ -1,4 +1,4 @@
-"""Benchmark of one camera picture: our projection of the floor, and pybullet's own renderer."""
+"""How long it takes to render a picture: our own projection, and pybullet's renderer."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Benchmark of one picture to 91 ranges: ours and two OpenCV pipelines, by time and by accuracy.
+"""Benchmark of a scan, 91 ranges of a picture: ours and two OpenCV pipelines, by time and accuracy.
 
 The peers were tuned on other pictures (40 of seed 100, nominal noise), each over 130 to 180
 settings: cells of 1.5 to 5 mm, smoothing, thresholds, block, simplification, steps of the Hough
@@ -45,7 +45,7 @@ IN_VIEW = (0.01, 0.02)
 Scan = Callable[[NDArray[np.uint8]], Array]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Trial:
     """One picture and its ground truth."""
 
@@ -57,7 +57,7 @@ class Trial:
 
 
 @dataclass(frozen=True)
-class Score:
+class ScanScore:
     """Figures of a method on all pictures of one noise level."""
 
     milliseconds: float
@@ -110,7 +110,7 @@ def _methods(view: FloorView) -> dict[str, Scan]:
     }
 
 
-def compare(noise: float, pictures: int, rounds: int = 1) -> dict[str, Score]:
+def compare(noise: float, pictures: int, rounds: int = 1) -> dict[str, ScanScore]:
     """Run all methods on the same pictures of one noise [grey levels]; ours comes first."""
     view = RobotSpec.load().floor_view
     methods = _methods(view)
@@ -165,7 +165,7 @@ def crossings(origin: Array, directions: Array, edges: Array) -> Array:
     return np.where(entered, distance, np.inf)
 
 
-def _score(seconds: float, ranges: list[Array], trials: list[Trial]) -> Score:
+def _score(seconds: float, ranges: list[Array], trials: list[Trial]) -> ScanScore:
     returns = np.concatenate(ranges)
     entries = np.concatenate([trial.entries for trial in trials])
     in_view = np.concatenate([trial.in_view for trial in trials])
@@ -175,7 +175,7 @@ def _score(seconds: float, ranges: list[Array], trials: list[Trial]) -> Score:
     true = np.abs(errors) < FAR_OFF
     right = hit.copy()
     right[hit] = true
-    return Score(
+    return ScanScore(
         milliseconds=1e3 * seconds,
         bias_mm=1e3 * float(errors[true].mean()),
         sd_mm=1e3 * float(errors[true].std()),
@@ -185,7 +185,7 @@ def _score(seconds: float, ranges: list[Array], trials: list[Trial]) -> Score:
     )
 
 
-def _print(scores: dict[float, dict[str, Score]]) -> None:
+def _print(scores: dict[float, dict[str, ScanScore]]) -> None:
     print(f"opencv {cv2.__version__}, numpy {np.__version__}, numba {numba.__version__}")
     heads = ("ms", "bias mm", "sd mm", "p99 mm", "missed %", "false %")
     for noise, by_name in scores.items():

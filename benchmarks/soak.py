@@ -20,7 +20,7 @@ import numpy as np
 
 from benchmarks.faults.rig import Rig, rig
 from benchmarks.faults.troubles import TROUBLES, Trouble
-from benchmarks.programs import START_S, Server, connected, estimated, telemetry, until
+from benchmarks.programs import START_S, ServedProgram, connected, estimated, telemetry, until
 from benchmarks.result import Result
 
 SEED = 0
@@ -51,7 +51,7 @@ class Record:
 
 
 @dataclass(frozen=True)
-class Usage:
+class ProgramUsage:
     """What a program uses at one moment."""
 
     minute: float
@@ -60,7 +60,7 @@ class Usage:
     descriptors: int
 
     @classmethod
-    def of(cls, program: Server, minute: float) -> Usage:
+    def of(cls, program: ServedProgram, minute: float) -> ProgramUsage:
         """Look at a running program."""
         return cls(minute, program.memory_mb(), program.threads(), program.descriptors())
 
@@ -81,10 +81,10 @@ def measure(minutes: float = 10.0) -> Result:
     return _result(record, usage)
 
 
-def _cause_troubles(rig: Rig, record: Record, seconds: float) -> list[Usage]:
+def _cause_troubles(rig: Rig, record: Record, seconds: float) -> list[ProgramUsage]:
     rng = np.random.default_rng(SEED)
     begun = time.monotonic()
-    usage: list[Usage] = []
+    usage: list[ProgramUsage] = []
     _say("minute  memory [MB]  threads  descriptors  step, median and 99 % [ms]")
     # Each kind once, then again in another order.
     kinds = [trouble for trouble in TROUBLES if rig.disk or not trouble.needs_disk]
@@ -93,7 +93,7 @@ def _cause_troubles(rig: Rig, record: Record, seconds: float) -> list[Usage]:
         order = order or [kinds[index] for index in rng.permutation(len(kinds))]
         _survive(rig, order.pop(), rng, record)
         if elapsed >= WARM_UP_S * (len(usage) + 1):
-            usage.append(Usage.of(rig.program, elapsed / 60))
+            usage.append(ProgramUsage.of(rig.program, elapsed / 60))
             _say_usage(usage[-1], record)
     return usage
 
@@ -145,7 +145,7 @@ def _drive(rig: Rig, record: Record) -> dict[str, Any]:
     return message
 
 
-def _result(record: Record, usage: list[Usage]) -> Result:
+def _result(record: Record, usage: list[ProgramUsage]) -> Result:
     backs = [time for times in record.backs.values() for time in times]
     first, last = usage[0], usage[-1]
     worst = {
@@ -166,7 +166,7 @@ def _result(record: Record, usage: list[Usage]) -> Result:
     )
 
 
-def _say_usage(usage: Usage, record: Record) -> None:
+def _say_usage(usage: ProgramUsage, record: Record) -> None:
     median, most = np.percentile(record.steps, (50, 99))
     record.steps.clear()
     figures = f"{usage.memory_mb:11.1f}  {usage.threads:7d}  {usage.descriptors:11d}"

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import time
 
-from app.lab.sweep.points import SweepJob, follow_all, jobs_of
-from app.lab.workers import LocalWorkers
+from app.features.lab.sweep.points import SweepJob, follow_all, jobs_of
+from app.features.lab.workers import LocalWorkers
 from app.settings.config import Config, with_settings
 from benchmarks.result import Result
 

@@ -10,7 +10,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from app.lab.evaluation.drives import Drive
+from app.features.lab.evaluation.drives import Drive
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2
 from robot.localization.estimate import Estimate, Hypothesis
@@ -168,14 +168,14 @@ def wrong_first_claim(shown: list[PictureResult]) -> bool:
 
 
 @dataclass
-class Calibration:
+class WeightCalibration:
     """Weights of hypotheses against how often these are right."""
 
     claimed: list[float] = field(default_factory=list)
     right: list[bool] = field(default_factory=list)
 
-    def __add__(self, other: Calibration) -> Calibration:
-        return Calibration(self.claimed + other.claimed, self.right + other.right)
+    def __add__(self, other: WeightCalibration) -> WeightCalibration:
+        return WeightCalibration(self.claimed + other.claimed, self.right + other.right)
 
     def add(self, shown: list[PictureResult]) -> None:
         """Add every hypothesis of every picture."""

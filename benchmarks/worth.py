@@ -8,8 +8,8 @@ from functools import partial
 
 import numpy as np
 
-from app.lab.evaluation.drives import Drive, Tick, record
-from app.lab.trajectories.metrics import rms
+from app.features.lab.evaluation.drives import Drive, Tick, record
+from app.features.lab.trajectories.metrics import rms
 from app.settings.config import Config
 from benchmarks.accuracy import LAPS, SETTLED, TOLD, each, find_with, with_filter
 from benchmarks.result import Result
@@ -57,7 +57,7 @@ def with_entries(setup: Setup, entries: EntryField) -> Setup:
 
 def no_negative_evidence(setup: Setup) -> Setup:
     """Ignore edges that should be seen and are not."""
-    return replace(setup, evidence=replace(setup.evidence, missed=1.0))
+    return replace(setup, evidence=setup.evidence._replace(missed=1.0))
 
 
 class Skewed(LineScanner):

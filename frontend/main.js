@@ -1,5 +1,5 @@
 // @ts-check
-import { CalibrationPanel } from "./calibration/panel.js";
+import { CalibrationPanel } from "./features/calibration/panel.js";
 import { CameraPanel } from "./camera/panel.js";
 import { Home } from "./drive/home.js";
 import { DrivePanel } from "./drive/panel.js";
@@ -10,15 +10,16 @@ import { offerHelp } from "./help/help.js";
 import { Layout } from "./layout/layout.js";
 import { LayoutMenu } from "./layout/menu.js";
 import { MapPanel } from "./map/panel.js";
-import { MappingPanel } from "./mapping/panel.js";
+import { MappingPanel } from "./features/mapping/panel.js";
 import { DrawLoop } from "./page/draw_loop.js";
 import { find, findButton } from "./page/elements.js";
+import { FirstStart } from "./page/first_start.js";
 import { offerLanguages, t } from "./page/language.js";
 import { refreshPalette } from "./page/palette.js";
 import { PhoneTabs } from "./page/phone.js";
 import { addDelay, exposeProbe } from "./page/probe.js";
 import { Problems } from "./page/problems.js";
-import { RecordButton } from "./page/record.js";
+import { RecordButton } from "./features/recordings/record.js";
 import { TapeHealth } from "./page/tape.js";
 import { Appearance } from "./page/theme.js";
 import { Toasts, sentence } from "./page/toasts.js";
@@ -27,9 +28,9 @@ import { History } from "./plots/history.js";
 import { PlotsPanel } from "./plots/panel.js";
 import { View3d } from "./view3d/panel.js";
 import { Connection } from "./wire/connection.js";
-import { ReplayBar } from "./replay/bar.js";
-import { RecordingsPanel } from "./recordings/panel.js";
-import { ReplayKeys } from "./replay/keys.js";
+import { ReplayBar } from "./features/recordings/replay/bar.js";
+import { RecordingsPanel } from "./features/recordings/panel.js";
+import { ReplayKeys } from "./features/recordings/replay/keys.js";
 import { getJson } from "./wire/http.js";
 
 /** @typedef {import("./messages").AccessMessage} AccessMessage */
@@ -52,6 +53,10 @@ const loop = new DrawLoop();
 const connection = new Connection("/api/live");
 const toasts = new Toasts(find("toasts", HTMLElement));
 const problems = new Problems();
+const firstStart = new FirstStart((compiling) => {
+  showLink();
+  if (!compiling) connection.hurry();
+});
 const record = new RecordButton(order, toasts);
 const recordings = new RecordingsPanel(order, toasts);
 const topBar = new TopBar();
@@ -79,6 +84,11 @@ const view3d = new View3d(appearance, order, (target) => {
   replayKeys.listen(target);
   target.addEventListener("keydown", (event) => layout.escape(event));
 });
+/** @type {import("./page/added_panels.js").AddedPanels | null} */
+let added = null;
+if (document.querySelector("main > [data-script]")) {
+  import("./page/added_panels.js").then(({ AddedPanels }) => (added = new AddedPanels({ order })));
+}
 const layout = new Layout((text) => toasts.show(text));
 new LayoutMenu(layout, toasts);
 const tabs = new PhoneTabs();
@@ -128,6 +138,7 @@ function take(news) {
   if (replay.show(news.replay ?? null, news.stamp)) showReplay(replay.shown);
   tape.add(news.scan);
   map.show(news);
+  added?.show(news);
   if (history.add(news, delay)) plots.refresh();
   if (truthKnown !== (news.truth !== null)) showTruth(news.truth !== null);
   writeWords();
@@ -194,7 +205,9 @@ async function loadField(news) {
   try {
     /** @type {FieldMessage} */
     const field = await getJson("/api/field");
-    for (const part of [topBar, drive, home, problems, tape, camera]) part.setField(field);
+    const parts = [topBar, drive, home, problems, tape, camera, plots, fieldPanel.faults];
+    for (const part of parts) part.setField(field);
+    showFeatures(field.features);
     if (!known) view3d.setField(field);
     if (!known || floor === null) floor = await loadPicture("/api/field.png");
     map.setField(field, floor);
@@ -205,11 +218,25 @@ async function loadField(news) {
   }
 }
 
+/** Hide what belongs to features that do not take part. @param {string[]} active */
+function showFeatures(active) {
+  for (const element of document.querySelectorAll("[data-feature]")) {
+    element.toggleAttribute("data-absent", !active.includes(element.getAttribute("data-feature") ?? ""));
+  }
+}
+
 /** @param {string} address @returns {Promise<ImageBitmap>} */
 async function loadPicture(address) {
   const answer = await fetch(address);
   if (!answer.ok) throw new Error(`the picture of the field: status ${answer.status}`);
   return createImageBitmap(await answer.blob());
+}
+
+/** Say in bar and banner whether there is a connection, or why there is none yet. */
+function showLink() {
+  const state = firstStart.compiling ? "compiling" : connection.state;
+  topBar.showLink(state);
+  problems.showLink(state);
 }
 
 appearance.onChange(() => {
@@ -219,8 +246,8 @@ appearance.onChange(() => {
 connection.onTelemetry(take);
 connection.onState((state) => {
   probe.connected = state === "open";
-  topBar.showLink(state);
-  problems.showLink(state);
+  firstStart.follow(state);
+  showLink();
   record.enable(state === "open");
   if (state !== "connecting") checkAccess();
   if (state === "open") filter.load();

@@ -24,6 +24,7 @@ export type Command =
   | ReplayCommand
   | ResetCommand
   | ResumeCommand
+  | RouteCommand
   | RunAgainCommand
   | SaveMapCommand
   | ScatterCommand
@@ -56,18 +57,20 @@ export interface AckMessage {
 
 /** A printed board. */
 export interface BoardMessage {
-  /** chessboard or charuco. */
+  /** chessboard, charuco or aprilgrid. */
   kind?: string;
-  /** Squares across the page. */
+  /** Squares, or tags, across the page. */
   columns?: number;
-  /** Squares up the page. */
+  /** Squares, or tags, up the page. */
   rows?: number;
-  /** Side of a square [m]. */
+  /** Side of a square, or of a tag [m]. */
   square?: number;
   /** Side of a marker, as a share of the square's (charuco). */
   marker?: number;
-  /** Which markers (charuco). */
+  /** Which markers (charuco, aprilgrid). */
   dictionary?: string;
+  /** Gap between tags, as a share of a tag's side (aprilgrid). */
+  spacing?: number;
 }
 
 /**
@@ -113,6 +116,14 @@ export interface CloseRecordingCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
   type: "close_recording";
+}
+
+/** How far the first start is, which compiles functions for this computer. */
+export interface CompilingMessage {
+  /** Functions that are compiled. */
+  done: number;
+  /** Functions that are to be compiled, those included. */
+  total: number;
 }
 
 /** Delete a stroke of tape from the finished map, before it is saved. */
@@ -206,6 +217,8 @@ export interface FieldMessage {
   robot_outline: [number, number][];
   /** When and by what the robot was calibrated; empty if it is as described. */
   robot_measured: string;
+  /** Whether a simulated robot moves without forces, and no physics engine is installed here. */
+  engine_missing: boolean;
   max_v: number;
   max_omega: number;
   /** How long a drive command holds if it is not renewed [s]. */
@@ -227,6 +240,8 @@ export interface FieldMessage {
   tape_width: number;
   /** Each ray as a line of pixels, from its start to its end in the picture. */
   rays_px: [number, number][][];
+  /** Names of the features that take part; the page hides what belongs to others. */
+  features: string[];
 }
 
 /**
@@ -385,6 +400,8 @@ export interface HealthMessage {
   robot: string;
   uptime_s: number;
   step_hz: number;
+  /** Present while functions are compiled; there is no robot before that is done. */
+  compiling?: CompilingMessage | null;
 }
 
 /** One place where the robot may be, carried forward to the telemetry's stamp. */
@@ -893,6 +910,8 @@ export interface RobotMessage {
   connected: boolean;
   battery_v: number | null;
   can_be_placed: boolean;
+  /** Name and version of the physics engine that moves a simulated robot; null: none does. */
+  engine: string | null;
   /**
    * Faults of a simulated robot that it did not have at the start, by their names in
    * ``/api/faults``.
@@ -903,6 +922,22 @@ export interface RobotMessage {
    * Null before the first.
    */
   calibrated: number | null;
+}
+
+/**
+ * Drive a robot that explores to a pose: a turn on the spot, straight there, and another turn. The
+ * exploration gives these by itself; a robot that does not explore stands.
+ */
+export interface RouteCommand {
+  /** Repeated in the answer. */
+  id?: number | string | null;
+  type: "route";
+  x: number;
+  y: number;
+  /** In the frame of odometry. */
+  theta: number;
+  /** On the spot before all else, to the left [rad]; more than one turn is valid. */
+  turn?: number;
 }
 
 /** Replay the last recording with the current parameters. */
@@ -1064,7 +1099,8 @@ export interface TelemetryMessage {
   twist: TwistMessage;
   /** Measured speeds of the left and the right wheel [rad/s]. */
   wheels?: number[] | null;
-  mode: "idle" | "drive" | "figure_eight" | "calibrate" | "explore";
+  /** ``idle``, ``drive``, ``figure_eight``, ``calibrate``, ``explore``, or a feature's own. */
+  mode: string;
   driver: DriverMessage;
   particles: ParticlesMessage;
   scan: ScanMessage;
@@ -1082,6 +1118,8 @@ export interface TelemetryMessage {
   mapping?: MappingMessage | null;
   /** Null if this is not a replay. */
   replay?: ReplayMessage | null;
+  /** Further values, by name; absent without any. */
+  values?: Record<string, boolean | number | string | null> | null;
   /** Layers of the 3D view that are switched off for all viewers; null if there is no 3D view. */
   hidden_layers?: ("particles" | "headings" | "rays" | "covariance" | "paths" | "truth" | "camera")[] | null;
 }

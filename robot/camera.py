@@ -1,42 +1,39 @@
 """The camera: its lens, and the projection between its picture and the floor.
 
-The lens is a pinhole with one of the distortions that ROS names (``robot/distortion.py``). It is
-read from a ``camera_info`` YAML file.
+The lens is a pinhole with one of the distortions that ROS names (``robot/distortion.py``).
+``robot/lens_files`` reads it.
 """
 
 from __future__ import annotations
 
-import math
-import re
 from dataclasses import dataclass, field
 from functools import cached_property
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 from numpy.typing import NDArray
 
 from robot.distortion import COEFFICIENTS, Distortion, distortion_of
 from robot.errors import BrickPoseError
 from robot.geometry import Array
 
-LARGEST_BYTES = 64 << 10
-"""Largest camera_info file: reading YAML takes seconds for each megabyte."""
+GREATEST_SKEW = 0.1
+"""Greatest skew, as a share of the focal length: calibrations of real lenses have 0.01."""
 
 
 class CameraError(BrickPoseError, ValueError):
     """An invalid camera description."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Lens:
     """Model of the lens: which pixel a ray of light hits; pixel centres have whole coordinates."""
 
     width: int
     height: int
     matrix: Array = field(repr=False)
-    """(3, 3) intrinsic matrix K [px]."""
+    """(3, 3) intrinsic matrix K [px]: fx, skew, cx; 0, fy, cy; 0, 0, 1. ROS's calibration of
+    fisheye lenses fits a skew."""
     distortion: Array = field(repr=False)
     """Coefficients of the model: (5,) k1, k2, p1, p2, k3 of plumb_bob."""
     readout: float = 0.0
@@ -52,8 +49,11 @@ class Lens:
         """
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             ideal = points[:, :2] / points[:, 2:]
-            (fx, _, cx), (_, fy, cy), _ = self.matrix
-            pixels: Array = self._bending.bend(ideal) * (fx, fy) + (cx, cy)
+            (fx, skew, cx), (_, fy, cy), _ = self.matrix
+            bent = self._bending.bend(ideal)
+            pixels: Array = bent * (fx, fy) + (cx, cy)
+            if skew:
+                pixels[:, 0] += skew * bent[:, 1]
             pixels[~((points[:, 2] > 1e-9) & self._one_to_one(ideal))] = np.nan
         return pixels
 
@@ -63,7 +63,10 @@ class Lens:
         They are nan where the model has none: far from the centre, the lens may bend no ray to a
         pixel.
         """
-        bent = (pixels - self.matrix[:2, 2]) / self.matrix[[0, 1], [0, 1]]
+        (fx, skew, cx), (_, fy, cy), _ = self.matrix
+        bent = (pixels - (cx, cy)) / (fx, fy)
+        if skew:
+            bent[:, 0] -= skew / fx * bent[:, 1]
         ideal = self._bending.straighten(bent)
         return np.column_stack([ideal, np.where(np.isnan(ideal[:, 0]), np.nan, 1.0)])
 
@@ -76,40 +79,6 @@ class Lens:
     def _bending(self) -> Distortion:
         return distortion_of(self.model, self.distortion)
 
-    @classmethod
-    def from_yaml(cls, path: Path) -> Lens:
-        """Read a ROS ``camera_info`` file, as camera_calibration writes it.
-
-        ``rolling_shutter_readout`` [s] is a key of BrickPose; ROS ignores it.
-
-        Raises:
-            CameraError: the file cannot be read, or a value is invalid; the message names it.
-        """
-        try:
-            if path.stat().st_size > LARGEST_BYTES:
-                raise CameraError(f"{path} is too large; valid are up to {LARGEST_BYTES} bytes")
-            # BaseLoader keeps values as text: no YAML tag can make it construct an object.
-            content = yaml.load(path.read_text(encoding="utf-8"), yaml.BaseLoader)
-        except CameraError:
-            raise
-        except (OSError, ValueError, RecursionError, yaml.YAMLError) as error:
-            raise CameraError(f"{path}: no readable camera_info YAML: {error}") from error
-        if not isinstance(content, dict):
-            raise CameraError(f"{path}: expected the keys of a camera_info file")
-        try:
-            return cls(
-                width=_whole(content, "image_width"),
-                height=_whole(content, "image_height"),
-                matrix=_numbers(content, "camera_matrix", 9).reshape(3, 3),
-                distortion=_distortion(content),
-                model=content.get("distortion_model", "plumb_bob"),
-                readout=_finite(content.get("rolling_shutter_readout", "0")),
-            )
-        except KeyError as error:
-            raise CameraError(f"{path}: the key {error} is missing") from error
-        except ValueError as error:
-            raise CameraError(f"{path}: {error}") from error
-
     def __post_init__(self) -> None:
         if not (1 <= self.width <= 16384 and 1 <= self.height <= 16384):
             raise CameraError(f"a picture of {self.width} x {self.height} px; valid is 1 to 16384")
@@ -120,47 +89,15 @@ class Lens:
             )
         if not (self.matrix[0, 0] > 0 and self.matrix[1, 1] > 0):
             raise CameraError("the focal lengths in camera_matrix must be positive")
-        if self.matrix[[0, 1, 2, 2, 2], [1, 0, 0, 1, 2]].tolist() != [0, 0, 0, 0, 1]:
-            raise CameraError("camera_matrix must be fx 0 cx, 0 fy cy, 0 0 1")
+        if self.matrix[[1, 2, 2, 2], [0, 0, 1, 2]].tolist() != [0, 0, 0, 1]:
+            raise CameraError("camera_matrix must be fx skew cx, 0 fy cy, 0 0 1")
+        if not abs(self.matrix[0, 1]) <= GREATEST_SKEW * self.matrix[0, 0]:
+            raise CameraError(
+                f"the skew in camera_matrix is {self.matrix[0, 1]:g} px; valid is up to "
+                f"{GREATEST_SKEW:g} of the focal length: rows are fx skew cx, 0 fy cy, 0 0 1"
+            )
         if not 0 <= self.readout < 1:
             raise CameraError(f"rolling_shutter_readout is {self.readout} s; valid is 0 to 1")
-
-
-def _whole(content: dict[str, Any], key: str) -> int:
-    text = content[key]
-    if not (isinstance(text, str) and re.fullmatch(r"\d{1,9}", text)):
-        raise ValueError(f"{key} is {_shown(text)}; valid is a whole number")
-    return int(text)
-
-
-def _finite(text: Any) -> float:
-    """Return a text as a number; nan if it is not a number."""
-    try:
-        return float(text) if isinstance(text, str) else math.nan
-    except ValueError:
-        return math.nan
-
-
-def _numbers(content: dict[str, Any], key: str, count: int) -> Array:
-    entry = content[key]
-    data = entry.get("data") if isinstance(entry, dict) else None
-    values = np.array([_finite(text) for text in data] if isinstance(data, list) else [])
-    if len(values) != count or not np.isfinite(values).all():
-        raise ValueError(f"{key} needs a list of {count} finite numbers under data")
-    return values
-
-
-def _shown(value: Any) -> str:
-    # Lists are not shown: with aliases, a few lines of YAML can hold billions of values.
-    return repr(value)[:80] if isinstance(value, str) else type(value).__name__
-
-
-def _distortion(content: dict[str, Any]) -> Array:
-    model = content.get("distortion_model", "plumb_bob")
-    if not (isinstance(model, str) and model in COEFFICIENTS):
-        valid = ", ".join(COEFFICIENTS)
-        raise ValueError(f"distortion_model is {_shown(model)}; valid are {valid}")
-    return _numbers(content, "distortion_coefficients", COEFFICIENTS[model])
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,8 +6,8 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numba import njit
 
+from robot.compiling import compiled
 from robot.errors import BrickPoseError
 from robot.geometry import Array
 
@@ -55,16 +55,26 @@ def by_rows(covariance: Array) -> list[float]:
     return rows
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def inverse(matrix: Array) -> Array:
     """Of a regular matrix (n, n)."""
     return np.linalg.inv(matrix).astype(np.float64)
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def solved(matrix: Array, right: Array) -> Array:
     """x of matrix (n, n) @ x = right (n, m)."""
     return np.linalg.solve(matrix, right).astype(np.float64)
+
+
+@compiled()
+def outer(a: Array, b: Array) -> Array:
+    """Return the product (n, m) of each number of a (n,) with each of b (m,)."""
+    result = np.empty((len(a), len(b)))
+    for i in range(len(a)):
+        for j in range(len(b)):
+            result[i, j] = a[i] * b[j]
+    return result
 
 
 def widest(covariance: Array) -> float:

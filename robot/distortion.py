@@ -54,7 +54,7 @@ def distortion_of(model: str, coefficients: Array) -> Distortion:
     return Brown(np.concatenate([coefficients, np.zeros(8 - len(coefficients))]))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Brown:
     """Radial and tangential distortion (Brown 1966), as OpenCV's first eight coefficients.
 
@@ -107,7 +107,7 @@ class Brown:
         return math.sqrt(min(_least_root(part) for part in rising))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Equidistant:
     """A fisheye lens (Kannala and Brandt 2006; OpenCV's ``fisheye``).
 

@@ -1,5 +1,7 @@
 """Errors that the program reports to its users; any other exception is a defect of the program."""
 
+from typing import ClassVar
+
 LONGEST = 1500
 """Longest message [characters]; a list of the names of all settings fits in."""
 
@@ -10,6 +12,9 @@ class BrickPoseError(Exception):
     Each subclass derives from a standard exception too. The message is one line, even if it
     quotes a file or a request: unprintable characters are escaped, and a long text is cut.
     """
+
+    exit_code: ClassVar[int] = 1
+    """What a command ends with that fails so: 2 if what was typed is wrong."""
 
     def __str__(self) -> str:
         return one_line(super().__str__())
@@ -29,6 +34,10 @@ def one_line(text: str) -> str:
 
 class CommandError(BrickPoseError, ValueError):
     """A command is invalid, or cannot be carried out now; the message says what is valid."""
+
+
+class NoMapError(CommandError):
+    """There is no map yet, or none that is drawn now."""
 
 
 class PackageError(BrickPoseError, ImportError):

@@ -21,7 +21,7 @@ class RobotError(BrickPoseError, RuntimeError):
     """The robot cannot go on: unplugged, silent or broken."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Frame:
     """One camera picture."""
 
@@ -34,7 +34,7 @@ class Frame:
         self.image.setflags(write=False)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Reading:
     """One answer of the robot."""
 
@@ -64,7 +64,7 @@ class Reading:
 class Robot(Protocol):
     """A robot with driven joints, and a camera or a laser.
 
-    ``tests/test_robot_contract.py`` tests each robot by this contract.
+    ``tests/robot/test_robot_contract.py`` tests each robot by this contract.
     """
 
     name: str
@@ -94,6 +94,16 @@ class Robot(Protocol):
 
     def close(self) -> None:
         """Stop the joints and release the hardware; may be called twice."""
+        ...
+
+
+@runtime_checkable
+class PhysicalRobot(Protocol):
+    """A robot that a physics engine moves, or moved when it was recorded."""
+
+    @property
+    def engine(self) -> str | None:
+        """Name and version of the engine; None: the robot moved without forces."""
         ...
 
 

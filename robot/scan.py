@@ -8,10 +8,11 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from robot import ray_columns as column
 from robot.geometry import Array, Pose2, heading_vectors
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Scan:
     """Ranges by bearing around a centre; no return is +inf."""
 
@@ -86,17 +87,15 @@ def evenly(count: int, most: int) -> NDArray[np.intp]:
 def rays_of(scan: Scan, most: int) -> Array:
     """Return at most ``most`` rays of a scan, evenly spread (n, 9).
 
-    Columns: x, y of the start [m]; direction [rad]; range [m] or +inf; the nearest and the farthest
-    distance that the ray sees [m], nan if it sees nowhere; the probability that it returns an edge
-    which is there; from where to where something else may hide an edge [m], from inf to -inf if
-    there is nothing.
+    ``robot.ray_columns`` names the columns.
     """
     used = evenly(len(scan.ranges), most)
-    rays = np.empty((len(used), 9))
-    rays[:, 0], rays[:, 1] = scan.robot_from_scan.x, scan.robot_from_scan.y
-    rays[:, 2] = scan.robot_from_scan.theta + scan.bearings[used]
-    rays[:, 3] = scan.ranges[used]
-    rays[:, 4:6] = (0.0, np.inf) if scan.sight is None else scan.sight[used]
-    rays[:, 6] = 1.0 if scan.clear is None else scan.clear[used]
-    rays[:, 7:9] = (np.inf, -np.inf) if scan.hidden is None else scan.hidden[used]
+    rays = np.empty((len(used), column.NUMBER))
+    rays[:, column.X], rays[:, column.Y] = scan.robot_from_scan.x, scan.robot_from_scan.y
+    rays[:, column.DIRECTION] = scan.robot_from_scan.theta + scan.bearings[used]
+    rays[:, column.RANGE] = scan.ranges[used]
+    sight, hidden = rays[:, column.NEAR :], rays[:, column.HIDDEN_FROM :]
+    sight[:, :2] = (0.0, np.inf) if scan.sight is None else scan.sight[used]
+    rays[:, column.CLEAR] = 1.0 if scan.clear is None else scan.clear[used]
+    hidden[:, :2] = (np.inf, -np.inf) if scan.hidden is None else scan.hidden[used]
     return rays

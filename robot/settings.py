@@ -18,6 +18,8 @@ from robot.errors import BrickPoseError
 class SettingError(BrickPoseError, ValueError):
     """A setting is unknown, of the wrong type or out of its range."""
 
+    exit_code = 2
+
 
 @dataclass(frozen=True, slots=True)
 class Setting:
@@ -63,7 +65,9 @@ def check_settings(group: Any) -> None:
             raise SettingError(f"{name} is {value!r}; valid are {', '.join(known.choices)}")
         if isinstance(value, (int, float)) and not known.low <= value <= known.high:
             unit = f" {known.unit}" if known.unit else ""
-            raise SettingError(f"{name} is {_number(value)}{unit}; valid is {_range(known)}{unit}")
+            raise SettingError(
+                f"{name} is {number_text(value)}{unit}; valid is {_range(known)}{unit}"
+            )
 
 
 def check_names(group: Any, names: Iterable[str], path: str = "") -> None:
@@ -80,13 +84,21 @@ def check_names(group: Any, names: Iterable[str], path: str = "") -> None:
 
 def _range(known: Setting) -> str:
     if math.isinf(known.high):
-        return f"{_number(known.low)} or more"
+        return f"{number_text(known.low)} or more"
     if math.isinf(known.low):
-        return f"{_number(known.high)} or less"
-    return f"{_number(known.low)} to {_number(known.high)}"
+        return f"{number_text(known.high)} or less"
+    return f"{number_text(known.low)} to {number_text(known.high)}"
 
 
-def _number(value: float) -> str:
+def as_float(value: float) -> float:
+    """Return a number as a float; a whole number beyond all floats is infinite."""
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf if value > 0 else -math.inf
+
+
+def number_text(value: float) -> str:
     """Return a number as it was written: whole numbers with all their digits, if they are few."""
     if isinstance(value, int) and value.bit_length() <= 64:
         return str(value)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -12,7 +13,13 @@ LONGEST = 1_000_000
 """Longest text [characters]: reading TOML takes seconds for each megabyte."""
 
 DEEPEST = 20
-"""Most tables and lists within each other; settings need five."""
+"""Most tables and lists within each other, and most parts of a key; settings need five."""
+
+_PART = r"""(?:[\w-]++|"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+')"""
+_LONG_KEY = re.compile(
+    rf"(?:^|[{{,\[])[ \t]*+{_PART}(?:[ \t]*+\.[ \t]*+{_PART}){{{DEEPEST}}}", re.MULTILINE
+)
+"""A key of too many parts. Nothing in it is tried in two ways, so the search takes linear time."""
 
 
 def read_toml_text(path: Path) -> str:
@@ -22,11 +29,11 @@ def read_toml_text(path: Path) -> str:
         SettingError: the file cannot be read, or is no text.
     """
     try:
-        return path.read_text(encoding="utf-8")
+        return path.read_text(encoding="utf-8-sig")  # some editors on Windows begin with a mark
     except OSError as error:
         raise SettingError(f"{path} cannot be read: {error.strerror}") from error
     except UnicodeDecodeError as error:
-        raise SettingError(f"{path} is no text: {error}") from error
+        raise SettingError(f"{path} is no text in UTF-8: save it as UTF-8 ({error})") from error
 
 
 def parse_toml(text: str, source: str) -> dict[str, Any]:
@@ -37,6 +44,12 @@ def parse_toml(text: str, source: str) -> dict[str, Any]:
     """
     if len(text) > LONGEST:
         raise SettingError(f"{source} is too long; valid are up to {LONGEST} characters")
+    if key := _LONG_KEY.search(text):
+        line = text.count("\n", 0, key.start()) + 1
+        raise SettingError(
+            f"{source} has a key of more than {DEEPEST} parts in line {line}; valid are up to "
+            f"{DEEPEST}, as in a.b.c = 1"
+        )
     too_deep = f"{source} is nested too deeply; valid are up to {DEEPEST} tables in each other"
     try:
         result = tomllib.loads(text)

@@ -10,8 +10,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from robot.compiling import compiled
 
 FOUND = 1e-13
 """A solution, distorted again, must be this close to the given point [focal lengths]."""
@@ -21,7 +22,7 @@ NEAR = 0.05
 """A point closer than this to the previous one starts from its solution [focal lengths]."""
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def undistorted(
     bent: NDArray[np.float64], distortion: NDArray[np.float64], widest: float
 ) -> NDArray[np.float64]:
@@ -74,7 +75,7 @@ def undistorted(
     return ideal
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def straightened(
     bent: NDArray[np.float64], distortion: NDArray[np.float64], widest: float
 ) -> NDArray[np.float64]:

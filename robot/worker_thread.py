@@ -85,7 +85,7 @@ class WorkerThread:
     def _run(self) -> None:
         with suppress(OSError):  # Linux only
             path = Path(f"/proc/self/task/{threading.get_native_id()}/comm")
-            path.write_text(self._thread.name)
+            path.write_text(self._thread.name, encoding="utf-8")
         try:
             self._work(self.stopping)
         except Exception as error:

@@ -8,7 +8,6 @@ import os
 import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -18,39 +17,13 @@ from robot.description.rigid_bodies import RigidBody, rigid_bodies
 from robot.description.spec import RobotSpec
 from robot.errors import PackageError
 from robot.geometry import Array, Pose2, Twist2
-from robot.settings import check_settings, setting
 from sim.bullet_body import add_floor, add_robot, add_rotor, motion, principal
+from sim.physics import GRAVITY, PhysicsSettings
 from sim.world import WorldError, check_pose, limited
-
-GRAVITY = 9.81
-"""Acceleration by gravity [m/s^2]."""
-
-
-@dataclass(frozen=True)
-class BulletSettings:
-    """How the simulated motors and the floor behave."""
-
-    step_time: float = setting(0.002, "Time of one physics step", unit="s", low=0.0002, high=0.005)
-    motor_lag: float = setting(
-        0.080,
-        "Time constant with which a wheel's speed follows its command; 0 is at once",
-        unit="s",
-        low=0,
-        high=1,
-    )
-    friction: float = setting(
-        1.0, "Friction coefficient mu of the tyres on the floor", low=0.001, high=2
-    )
-    caster_friction: float = setting(
-        0.05, "Friction coefficient mu of the sliding caster on the floor", low=0, high=2
-    )
-
-    def __post_init__(self) -> None:
-        check_settings(self)
 
 
 class BulletWorld:
-    """The robot as rigid bodies with motors, gravity and friction; a ``World``.
+    """The robot as rigid bodies with motors, gravity and friction; a ``PhysicsWorld``.
 
     Nothing is random: the same commands give the same run, bit for bit. The motors are speed
     controllers with a torque limit; their target follows the command with a first-order lag.
@@ -61,7 +34,7 @@ class BulletWorld:
         spec: RobotSpec,
         start: Pose2 | None = None,
         *,
-        settings: BulletSettings | None = None,
+        settings: PhysicsSettings | None = None,
     ) -> None:
         """Build the world.
 
@@ -69,14 +42,14 @@ class BulletWorld:
             PackageError: pybullet is not installed.
         """
         self._spec = spec
-        self._settings = settings or BulletSettings()
+        self._settings = settings or PhysicsSettings()
         self._bullet = load_pybullet()
         self._bodies = bodies = rigid_bodies(spec.urdf)
         self._client: int | None = self._bullet.connect(self._bullet.DIRECT)
         if self._client < 0:
             raise WorldError("pybullet has no room for another world; close one")
         self._robot = self._build(bodies)
-        places = {body.joint: place - 1 for place, body in enumerate(bodies)}
+        places = {body.joint: index - 1 for index, body in enumerate(bodies)}
         self._joints = [places[joint.name] for joint in spec.joints]
         self._efforts = [joint.max_effort for joint in spec.joints]
         self._centre = bodies[0].centre
@@ -113,22 +86,23 @@ class BulletWorld:
         self._before = np.zeros(len(self._joints))
         self._seen = None
 
-    def step(self, velocities: Array) -> None:
-        """Advance one step towards joint velocities (j,) [rad/s], clipped to the motors' limits."""
-        client = self._open()
-        self._targets = [
-            target + self._gain * (wanted - target)
-            for target, wanted in zip(self._targets, limited(self._spec, velocities), strict=True)
-        ]
-        self._bullet.setJointMotorControlArray(
-            self._robot,
-            self._joints,
-            self._bullet.VELOCITY_CONTROL,
-            targetVelocities=self._targets,
-            forces=self._efforts,
-            physicsClientId=client,
-        )
-        self._bullet.stepSimulation(physicsClientId=client)
+    def step(self, velocities: Array, steps: int = 1) -> None:
+        """Advance towards joint velocities (j,) [rad/s], clipped to the motors' limits."""
+        client, wanted = self._open(), limited(self._spec, velocities)
+        for _ in range(steps):
+            self._targets = [
+                target + self._gain * (velocity - target)
+                for target, velocity in zip(self._targets, wanted, strict=True)
+            ]
+            self._bullet.setJointMotorControlArray(
+                self._robot,
+                self._joints,
+                self._bullet.VELOCITY_CONTROL,
+                targetVelocities=self._targets,
+                forces=self._efforts,
+                physicsClientId=client,
+            )
+            self._bullet.stepSimulation(physicsClientId=client)
         self._seen = None
 
     def add_rotors(self, inertias: Array) -> None:
@@ -245,7 +219,8 @@ class BulletWorld:
             )
             velocity, spin = self._bullet.getBaseVelocity(self._robot, physicsClientId=client)
             map_from_principal = self._bullet.getMatrixFromQuaternion(orientation)
-            turned = np.reshape(map_from_principal, (3, 3)) @ self._principal_from_root
+            # ``np.reshape`` of a tuple takes longer.
+            turned = np.array(map_from_principal).reshape(3, 3) @ self._principal_from_root
             self._seen = motion(turned, turned @ self._centre, at_centre, velocity, spin)
         return self._seen
 
@@ -262,9 +237,9 @@ def load_pybullet() -> Any:
             import pybullet  # noqa: PLC0415 - a robot runs without it
     except ImportError as error:
         raise PackageError(
-            "pybullet, the physics engine, is not installed. Ready-made it exists only for Linux "
-            "on x86-64 with Python 3.11 or older; elsewhere `pip install pybullet` builds it, "
-            "which takes a C++ compiler and some minutes."
+            "The physics engine pybullet is not installed. Ready-made it exists only for Linux on "
+            "x86-64 with Python 3.11; elsewhere `pip install pybullet` builds it, which takes a "
+            "C++ compiler and some minutes. The engine mujoco does the same everywhere."
         ) from error
     return pybullet
 

@@ -1,4 +1,4 @@
-"""Things on a floor that no map has, and the light on it: shadows, lamps, reflections."""
+"""Clutter: things on a floor that no map has; and the light on it: shadows, lamps, reflections."""
 
 from __future__ import annotations
 
@@ -31,6 +31,9 @@ DARK = 32
 
 _SHIFT = 4
 """Number of fractional bits in pixel coordinates for OpenCV."""
+REFLECTIONS = 4
+REFLECTION_SD = 0.06
+"""Size of a lamp's reflection on the floor: standard deviation of its brightness [m]."""
 
 
 class _Painter:
@@ -164,11 +167,6 @@ def add_clutter(floor: FloorPicture, kind: str, rng: np.random.Generator) -> Flo
         if kind in (name, "all"):
             paint(painter)
     return replace(floor, image=painter.image)
-
-
-REFLECTIONS = 4
-REFLECTION_SD = 0.06
-"""Size of a lamp's reflection on the floor: standard deviation of its brightness [m]."""
 
 
 def add_uneven_light(floor: FloorPicture, lost: float, rng: np.random.Generator) -> FloorPicture:

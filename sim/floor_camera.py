@@ -15,6 +15,8 @@ from robot.settings import check_settings, setting
 from sim.clutter import KINDS, add_clutter, add_glare, add_uneven_light
 from sim.floor_samples import FloorSamples
 
+_NOISE_MARGIN = 64
+
 
 @dataclass(frozen=True)
 class CameraSettings:
@@ -144,9 +146,6 @@ def _vignette(width: int, height: int, lost: float) -> NDArray[np.float32]:
     x = np.linspace(-1, 1, width)
     y = np.linspace(-1, 1, height)[:, None]
     return (1 - lost * (x * x + y * y) / 2).astype(np.float32)
-
-
-_NOISE_MARGIN = 64
 
 
 def _noise_table(view: FloorView, sd: float, rng: np.random.Generator) -> NDArray[np.int16]:

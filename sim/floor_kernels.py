@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from robot.compiling import compiled
 from robot.geometry import Array
 
 STRIP = 8
 """Neighbouring pixels that are looked up together."""
 
+MARGIN_PX = 2.0
+"""Interpolation looks one pixel further than the sample; rounding takes the other."""
+
 BLOCK = 4
 """Side of the blocks of the drawing for which the way to the next edge is kept [px]."""
 
 
-@njit(cache=True, nogil=True, fastmath=True)
+@compiled(fastmath=True)
 def fill_even_strips(
     picture: NDArray[np.uint8],
     uneven: NDArray[np.int32],
@@ -25,7 +28,10 @@ def fill_even_strips(
     affines: NDArray[np.float32],
     firsts: NDArray[np.intp],
     counts: NDArray[np.intp],
-    reach: Array,
+    spread: Array,
+    distance: Array,
+    blurred: tuple[float, float],
+    resolution: float,
     even: NDArray[np.uint8],
     size: tuple[int, int],
     border: int,
@@ -41,7 +47,10 @@ def fill_even_strips(
         affines: (s, 2, 3), from the robot frame to the drawing, for each row of samples.
         firsts: the first row of samples of each row of pixels (h,).
         counts: the samples of each pixel (h,).
-        reach: how far a strip's samples lie from its middle (h, strips) [px].
+        spread: how far a strip's samples lie from its middle (h, strips) [m].
+        distance: how far they lie from the robot (h, strips) [m].
+        blurred: way [m] and turn [rad] of the robot in an exposure.
+        resolution: a pixel of the drawing [m].
         even: how far all is of one tone around each block of the drawing [px], and that tone.
         size: height and width of the drawing [px].
         border: the tone outside it.
@@ -56,10 +65,13 @@ def fill_even_strips(
         middle = affines[first + counts[row] // 2]
         for start in range(0, width, STRIP):
             end = min(start + STRIP, width)
-            x, y = centres[row, start // STRIP, 0], centres[row, start // STRIP, 1]
+            strip = start // STRIP
+            moved = blurred[0] + blurred[1] * distance[row, strip]
+            reach = (spread[row, strip] + moved) / resolution + MARGIN_PX
+            x, y = centres[row, strip, 0], centres[row, strip, 1]
             u = middle[0, 0] * x + middle[0, 1] * y + middle[0, 2]
             v = middle[1, 0] * x + middle[1, 1] * y + middle[1, 2]
-            tone = _tone(u, v, reach[row, start // STRIP], even, size, border)
+            tone = _tone(u, v, reach, even, size, border)
             if tone >= 0:
                 picture[row, start:end] = tone
                 continue
@@ -76,7 +88,7 @@ def fill_even_strips(
     return strips, count
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _tone(
     u: float,
     v: float,
@@ -95,7 +107,7 @@ def _tone(
     return int(even[row, column, 1]) if even[row, column, 0] > reach else -1
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def fill_uneven_strips(
     picture: NDArray[np.uint8],
     uneven: NDArray[np.int32],

@@ -39,8 +39,9 @@ meanwhile. With fewer samples, blurred edges become steps, and each step an edge
 MOST_SAMPLES = 32
 """Most samples of a pixel."""
 
-MARGIN_PX = 2.0
-"""Interpolation looks one pixel further than the sample; rounding takes the other."""
+_NEIGHBOURS = np.ones((3, 3), dtype=np.uint8)
+_Lists = tuple[NDArray[np.int32], NDArray[np.float32]]
+"""Room for the listed strips, and for the places of their samples."""
 
 
 class FloorSamples:
@@ -53,6 +54,10 @@ class FloorSamples:
         self._size = (view.lens.height, view.lens.width)
         self._seen = _spread_samples(view, exposure)
         self._even = _even_blocks(floor)
+        self._pixel_from_map = np.vstack([floor.pixel_from_map, [0, 0, 1]])
+        self._spare: list[_Lists] = []
+        """Lists that no picture is being made with. A new one costs half a millisecond a picture:
+        the system clears each page of its memory when it is first written."""
 
     def average(self, map_from_robot: Pose2, twist: Twist2) -> NDArray[np.uint8]:
         """Return the grey (h, w) that each pixel sees from a pose, while moving with a twist.
@@ -60,20 +65,30 @@ class FloorSamples:
         The robot is at the pose in the middle of the exposure of the middle row.
         """
         seen = self._seen
-        affines = _sample_affines(self._floor.pixel_from_map, map_from_robot, twist, seen.times)
-        blurred = self._exposure * (abs(twist.v) + abs(twist.omega) * seen.distance)
-        reach = (seen.spread + blurred) / self._floor.resolution + MARGIN_PX
+        affines = _sample_affines(self._pixel_from_map, map_from_robot, twist, seen.times)
+        blurred = self._exposure * abs(twist.v), self._exposure * abs(twist.omega)
         picture = np.empty(self._size, dtype=np.uint8)
-        uneven = np.empty((2, reach.size), dtype=np.int32)
-        samples = np.empty((2, seen.points[..., 0].size), dtype=np.float32)
+        uneven, samples = lists = self._lists()
         strips, count = fill_even_strips(
             picture, uneven, samples, seen.points, seen.centres, affines, seen.firsts,
-            seen.counts, reach, self._even, self._floor.image.shape, self._floor.border,
+            seen.counts, seen.spread, seen.distance, blurred, self._floor.resolution,
+            self._even, self._floor.image.shape, self._floor.border,
         )  # fmt: skip
         if strips > 0:
             grey = self._look_up(samples, count)
             fill_uneven_strips(picture, uneven[:, :strips], grey, seen.counts)
+        self._spare.append(lists)
         return picture
+
+    def _lists(self) -> _Lists:
+        """Return room for what a picture may list; any thread may ask."""
+        try:
+            return self._spare.pop()
+        except IndexError:
+            return (
+                np.empty((2, self._seen.spread.size), dtype=np.int32),
+                np.empty((2, self._seen.points[..., 0].size), dtype=np.float32),
+            )
 
     def _look_up(self, samples: NDArray[np.float32], count: int) -> NDArray[np.uint8]:
         """Return the grey of the first samples, given by column and row (2, n) of the drawing."""
@@ -93,7 +108,7 @@ class FloorSamples:
         return np.asarray(grey, dtype=np.uint8).ravel()
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class _Samples:
     """The samples of one camera, whatever floor it sees: s of them in each column, h rows."""
 
@@ -188,26 +203,25 @@ def _bit_reversed(count: int) -> list[int]:
 def _sample_affines(
     pixel_from_map: Array, map_from_robot: Pose2, twist: Twist2, times: Array
 ) -> NDArray[np.float32]:
-    """Return affines (s, 2, 3) from the robot frame at each time to pixels of the floor picture."""
-    pixel = np.vstack([pixel_from_map, [0, 0, 1]])
+    """Return affines (s, 2, 3) from the robot frame at each time to pixels of the floor picture.
+
+    ``pixel_from_map`` (3, 3) leads from the map to the picture.
+    """
     # Between nine moments of a picture the motion is straight to well under a micrometre.
     knots = np.linspace(times.min(), times.max(), 9)
     moments = [map_from_robot @ twist.integrate(float(t)) for t in knots]
-    affines = np.array([(pixel @ _homogeneous(pose))[:2].ravel() for pose in moments])
-    between = [np.interp(times, knots, column) for column in affines.T]
-    return np.stack(between, axis=1).reshape(-1, 2, 3).astype(np.float32)
+    affines = (pixel_from_map @ np.array([_homogeneous(pose) for pose in moments]))[:, :2]
+    between = np.empty((len(times), 2, 3), dtype=np.float32)
+    for row in range(2):
+        for column in range(3):
+            between[:, row, column] = np.interp(times, knots, affines[:, row, column])
+    return between
 
 
-def _homogeneous(pose: Pose2) -> Array:
-    columns = pose.apply(np.array([[1.0, 0.0], [0.0, 1.0], [0.0, 0.0]]))
-    origin = columns[2]
-    return np.column_stack(
-        [
-            np.append(columns[0] - origin, 0.0),
-            np.append(columns[1] - origin, 0.0),
-            np.append(origin, 1.0),
-        ]
-    )
+def _homogeneous(pose: Pose2) -> list[list[float]]:
+    """Return the matrix (3, 3) of a pose."""
+    c, s = math.cos(pose.theta), math.sin(pose.theta)
+    return [[c, -s, pose.x], [s, c, pose.y], [0.0, 0.0, 1.0]]
 
 
 def _centres(
@@ -260,6 +274,3 @@ def _even_blocks(floor: FloorPicture) -> NDArray[np.uint8]:
     # From any point of a block to any point of another: up to a block's diagonal nearer.
     even = np.clip(BLOCK * (np.asarray(to_uneven) - np.sqrt(2)), 0, 255)
     return np.stack([even.astype(np.uint8), padded[::BLOCK, ::BLOCK]], axis=-1)
-
-
-_NEIGHBOURS = np.ones((3, 3), dtype=np.uint8)

@@ -12,6 +12,10 @@ from robot.description.spec import RobotSpec
 from robot.settings import check_settings, setting
 
 BUMPS = ("none", "roll", "pitch", "yaw")
+MOUNTING = 2**31
+"""Number of the stream for the camera's mounting and lens; no spawned child gets this number."""
+LARGEST = 3.0
+"""Errors beyond this many standard deviations are drawn again, so that no dimension is absurd."""
 
 
 @dataclass(frozen=True)
@@ -87,13 +91,6 @@ def bumped(spec: RobotSpec, imperfections: Imperfections) -> RobotSpec:
     robot_from_camera = spec.robot_from_camera.copy()
     robot_from_camera[:3, :3] = turn.as_matrix() @ robot_from_camera[:3, :3]
     return replace(spec, robot_from_camera=robot_from_camera)
-
-
-MOUNTING = 2**31
-"""Number of the stream for the camera's mounting and lens; no spawned child gets this number."""
-
-LARGEST = 3.0
-"""Errors beyond this many standard deviations are drawn again, so that no dimension is absurd."""
 
 
 def draw(spec: RobotSpec, imperfections: Imperfections, rng: np.random.Generator) -> RobotSpec:

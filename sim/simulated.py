@@ -16,26 +16,37 @@ from robot.description.spec import RobotSpec
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2, Twist2, interpolate
 from robot.interface import Frame, Reading
-from sim.bullet import BulletSettings
+from robot.settings import check_settings, setting
 from sim.encoders import Encoders
 from sim.exposures import Exposures
 from sim.floor_camera import CameraSettings, FloorCamera
 from sim.imperfections import Imperfections, bumped, draw
+from sim.physics import ENGINES, PhysicsSettings
 from sim.world import World
+
+HISTORY = 1.2
+"""How long true poses are kept for frames that are not yet delivered [s]: the longest delay, half
+of the longest exposure and half of a readout."""
+PERIOD = 0.02
+"""Time between two readings [s]: control at 50 Hz."""
 
 
 @dataclass(frozen=True)
 class SimSettings:
     """Settings of the simulated robot: its camera, its physics, and its imperfections."""
 
+    engine: str = setting(
+        "auto",
+        "Which physics engine moves the robot; auto is bullet (pybullet) where it is installed, "
+        "elsewhere mujoco",
+        choices=("auto", *ENGINES),
+    )
     camera: CameraSettings = CameraSettings()
-    physics: BulletSettings = BulletSettings()
+    physics: PhysicsSettings = PhysicsSettings()
     imperfections: Imperfections = Imperfections()
 
-
-HISTORY = 1.2
-"""How long true poses are kept for frames that are not yet delivered [s]: the longest delay, half
-of the longest exposure and half of a readout."""
+    def __post_init__(self) -> None:
+        check_settings(self)
 
 
 class PastPoses:
@@ -77,17 +88,13 @@ class PastPoses:
         return start[1], start[2]
 
 
-PERIOD = 0.02
-"""Time between two readings [s]: control at 50 Hz."""
-
-
 def no_wait(stamp: float) -> None:
     """Do not wait: simulated time runs as fast as it can."""
 
 
 @dataclass(frozen=True)
-class Making:
-    """How a robot with imperfections was made, so that it can be made with others."""
+class RobotFactory:
+    """Makes a simulated robot again, with other imperfections."""
 
     imperfections: Imperfections
     rng: np.random.Generator
@@ -95,6 +102,8 @@ class Making:
     same robot."""
     world: Callable[[RobotSpec, Pose2], World]
     """Makes a world of a robot as it truly is, at a pose."""
+    engine: str | None = None
+    """Name and version of the physics engine in that world; None: it has no forces."""
 
     def drawn(self, spec: RobotSpec, imperfections: Imperfections) -> RobotSpec:
         """Return the robot as it truly is with these imperfections."""
@@ -113,15 +122,15 @@ class SimulatedRobot:
         encoders: Encoders,
         camera: CameraSettings,
         rng: np.random.Generator,
-        wait: Callable[[float], None] = no_wait,
-        view: FloorView | None = None,
+        factory: RobotFactory,
+        view: FloorView,
         bump: tuple[float, FloorView] | None = None,
-        making: Making | None = None,
+        wait: Callable[[float], None] = no_wait,
     ) -> None:
         """Build the robot.
 
-        ``view`` is its camera's true view, if it is not as described; ``bump`` says from which
-        stamp [s] on it has another one; ``making`` is how it was made, if it is not perfect.
+        ``factory`` makes it again with other imperfections; ``view`` is its camera's true view, and
+        ``bump`` says from which stamp [s] on it has another one.
         """
         self.name = name
         self.spec = spec
@@ -129,11 +138,11 @@ class SimulatedRobot:
         self._encoders = encoders
         self._settings = camera
         self._floor = field.floor
-        self._making = making
+        self._factory = factory
         self._rng = copy.deepcopy(rng)
         self._turned = np.zeros(len(spec.joints))
         """What the wheels had turned in an earlier world [rad]."""
-        self._camera = FloorCamera(view or spec.floor_view, field.floor, camera, rng)
+        self._camera = FloorCamera(view, field.floor, camera, rng)
         self._bump = bump
         self._wait = wait
         self._steps = round(PERIOD / world.step_time)
@@ -151,6 +160,11 @@ class SimulatedRobot:
         self._plan()
 
     @property
+    def engine(self) -> str | None:
+        """Name and version of the physics engine that moves it; None: none does."""
+        return self._factory.engine
+
+    @property
     def stamp(self) -> float:
         """Simulated time [s]."""
         return self._tick * PERIOD
@@ -158,12 +172,14 @@ class SimulatedRobot:
     def read(self) -> Reading:
         """Advance by one period and return what the sensors measure."""
         step_time = self._world.step_time
+        made = 0
         for step in range(1, self._steps + 1):
-            self._world.step(self._command)
             since_tick = step * step_time
             # To look at the world takes as long as a step: only where a picture is interpolated.
             near = self._exposures.near(self.stamp + since_tick, 1.5 * step_time)
             if near or step == self._steps:
+                self._world.step(self._command, step - made)
+                made = step
                 self._remember(since_tick)
         self._tick += 1
         frame = self._frame()
@@ -191,23 +207,11 @@ class SimulatedRobot:
     @property
     def settings(self) -> SimSettings:
         """Camera and imperfections as they are now."""
-        if self._making is None:
-            return SimSettings(camera=self._settings)
-        return SimSettings(camera=self._settings, imperfections=self._making.imperfections)
-
-    @property
-    def has_imperfections(self) -> bool:
-        """Whether wheels and mounting can be imperfect."""
-        return self._making is not None
+        return SimSettings(camera=self._settings, imperfections=self._factory.imperfections)
 
     def change(self, settings: SimSettings) -> None:
-        """Change camera and imperfections; the robot goes on where it is.
-
-        A perfect robot takes the camera alone.
-        """
-        view = self.spec.floor_view
-        if self._making is not None:
-            view = self._change_robot(self._making, settings.imperfections)
+        """Change camera and imperfections; the robot goes on where it is."""
+        view = self._change_robot(settings.imperfections)
         self._settings = settings.camera
         rng = copy.deepcopy(self._rng)
         self._camera = FloorCamera(view, self._floor, settings.camera, rng)
@@ -215,17 +219,18 @@ class SimulatedRobot:
         self._exposures.skip(self.stamp)
         self._plan()
 
-    def _change_robot(self, making: Making, wanted: Imperfections) -> FloorView:
+    def _change_robot(self, wanted: Imperfections) -> FloorView:
         """Change wheels, slip and mounting; return the camera's true view."""
-        before = making.drawn(self.spec, making.imperfections)
-        true = making.drawn(self.spec, wanted)
+        factory = self._factory
+        before = factory.drawn(self.spec, factory.imperfections)
+        true = factory.drawn(self.spec, wanted)
         if true.joints != before.joints or true.track != before.track:
-            world = making.world(true, self._world.pose)
+            world = factory.world(true, self._world.pose)
             self._turned = self._turned + self._world.positions
             self._world.close()
             self._world = world
         self._encoders.use(wanted)
-        self._making = replace(making, imperfections=wanted)
+        self._factory = replace(factory, imperfections=wanted)
         over = wanted.bump != "none" and self.stamp >= wanted.bump_time
         if over or wanted.bump == "none":
             self._bump = None

@@ -34,8 +34,10 @@ class World(Protocol):
         """
         ...
 
-    def step(self, velocities: Array) -> None:
-        """Advance one step towards joint velocities (j,) [rad/s], clipped to the motors' limits.
+    def step(self, velocities: Array, steps: int = 1) -> None:
+        """Advance towards joint velocities (j,) [rad/s], clipped to the motors' limits.
+
+        Several steps at once give the same motion as one by one, and may be quicker.
 
         Raises:
             WorldError: the number of velocities is wrong, or one is not finite; nothing moves then.
@@ -103,7 +105,7 @@ def check_pose(pose: Pose2) -> None:
 
 
 class KinematicWorld:
-    """The perfect robot: exact arcs, motors that reach their speed at once; a ``World``."""
+    """Without forces: wheels roll as they turn, at once as fast as commanded; a ``World``."""
 
     def __init__(
         self, spec: RobotSpec, start: Pose2 | None = None, *, step_time: float = 0.002
@@ -120,12 +122,13 @@ class KinematicWorld:
         self._pose = pose
         self._velocities = np.zeros(len(self._spec.joints))
 
-    def step(self, velocities: Array) -> None:
-        """Advance one step at joint velocities (j,) [rad/s], clipped to the motors' limits."""
+    def step(self, velocities: Array, steps: int = 1) -> None:
+        """Advance at joint velocities (j,) [rad/s], clipped to the motors' limits."""
         self._velocities = np.array(limited(self._spec, velocities))
         turned = self._velocities * self.step_time
-        self._positions += turned
-        self._pose = self._pose @ self._drive.moved(turned)
+        for _ in range(steps):
+            self._positions += turned
+            self._pose = self._pose @ self._drive.moved(turned)
 
     @property
     def pose(self) -> Pose2:

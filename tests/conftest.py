@@ -2,12 +2,14 @@
 
 import os
 import signal
+import subprocess
 import textwrap
 import threading
 from contextlib import closing, nullcontext
 from functools import partial
 
 import pytest
+import warm_start
 from hypothesis import settings
 
 # The machine may be busy: a slow example is no fault.
@@ -38,6 +40,7 @@ def state_home(tmp_path_factory):
     """Programs under test, and those they start, keep what they keep here, not in the home."""
     os.environ["XDG_STATE_HOME"] = str(tmp_path_factory.mktemp("state"))
     os.environ["XDG_DATA_HOME"] = str(tmp_path_factory.mktemp("data"))
+    warm_start.remember_environment()
 
 
 @pytest.fixture(autouse=True, scope="session")
@@ -69,6 +72,18 @@ def save(tmp_path):
         return path
 
     return write
+
+
+@pytest.fixture
+def small_disk(tmp_path):
+    """A folder on a disk of 3 MB."""
+    folder = tmp_path / "disk"
+    folder.mkdir()
+    mounted = ["mount", "-t", "tmpfs", "-o", "size=3M", "tmpfs", str(folder)]
+    if subprocess.run(mounted, capture_output=True, check=False).returncode:
+        pytest.skip("only root may mount a small disk")
+    yield folder
+    subprocess.run(["umount", str(folder)], check=True)
 
 
 @pytest.fixture(scope="module")

@@ -7,9 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from app.engine.calibration_commands import calibration_command
-from app.engine.calibration_tracking import CalibrationTracking
 from app.engine.commands import apply
+from app.engine.companions import Companions
 from app.engine.controls import Controls
 from app.engine.driving import Driving
 from app.engine.engine import Engine
@@ -17,15 +16,16 @@ from app.engine.follower import Follower
 from app.engine.localization import Localization
 from app.engine.own_models.own_models import OwnModels
 from app.engine.parameter_changes import changed_values
+from app.engine.plugging import companions_of
+from app.engine.profile_command import calibration_command
 from app.engine.program import Program
-from app.engine.robots import build_robot, resolve_robot, robot_spec
+from app.engine.robots import build_robot, resolve_robot, robot_kind, robot_spec
 from app.engine.start_pose.pose_file import pose_path
 from app.engine.start_pose.start import Start, start
 from app.messages.commands import SetParametersCommand
 from app.settings.config import MAPS, Config
 from app.settings.groups import InitialPose
-from robot.calibration.profile import Profile
-from robot.calibration.tracker import CalibrationTracker
+from robot.description.profile import Profile
 from robot.driving.differential_drive import DifferentialDrive
 from robot.driving.drive_controller import DriveController
 from robot.driving.odometry import Odometry
@@ -94,7 +94,7 @@ def build_program(
     return Program(engine, robot, field, config, path, own.choice)
 
 
-def build_on_map(program: Program, name: str, place: Hypothesis) -> Program:
+def build_on_map(program: Program, name: str, field: Field, place: Hypothesis) -> Program:
     """Build a program on another map, with the robot of one that has ended but handed it over.
 
     The robot's calibration and the filter's parameters go on as they are.
@@ -102,10 +102,11 @@ def build_on_map(program: Program, name: str, place: Hypothesis) -> Program:
     Args:
         program: the one that has ended.
         name: of the map, as ``Config.map``.
+        field: the map.
         place: where the robot is in it.
 
     Raises:
-        FieldError: there is no such map, or the robot is off it.
+        FieldError: the robot is off the map.
     """
     # A recording's replay begins where the configuration says.
     pose, covariance = place.pose, tuple(place.covariance.ravel().tolist())
@@ -113,7 +114,7 @@ def build_on_map(program: Program, name: str, place: Hypothesis) -> Program:
     begins = replace(
         program.config.start_pose, restore_pose=False, set_initial_pose=True, initial_pose=initial
     )
-    config, field = replace(program.config, map=name, start_pose=begins), load_field(name, MAPS)
+    config = replace(program.config, map=name, start_pose=begins)
     controls, robot = program.engine.controls, program.robot
     scanner = LineScanner(controls.spec.floor_view, config.scanner, field.tape)
     path = pose_path(begins.pose_file, config.robot, field)
@@ -125,7 +126,9 @@ def build_on_map(program: Program, name: str, place: Hypothesis) -> Program:
     return Program(engine, robot, field, config, path, own.choice)
 
 
-def build_on_field(program: Program, name: str, wait: Callable[[float], None] = no_wait) -> Program:
+def build_on_field(
+    program: Program, name: str, field: Field, wait: Callable[[float], None] = no_wait
+) -> Program:
     """Build a program on another field, after one that has ended but handed its robot over.
 
     A simulated robot stands at the start of the new field, with its faults; a real one has to be
@@ -134,27 +137,28 @@ def build_on_field(program: Program, name: str, wait: Callable[[float], None] = 
     Args:
         program: the one that has ended.
         name: of the field, as ``Config.map``.
+        field: the field.
         wait: of a simulated robot, as in ``build_program``.
-
-    Raises:
-        FieldError: there is no such field.
     """
     robot, parameters = program.robot, program.engine.controls.localization.parameters
-    if not isinstance(robot, SimulatedRobot):
-        start = load_field(name, MAPS).start
-        place = Hypothesis(1.0, start, parameters.filter.initial_covariance)
-        return build_on_map(program, name, place)
-    faults = robot.settings
+    if not (isinstance(robot, SimulatedRobot) or robot_kind(program.config).is_simulated):
+        place = Hypothesis(1.0, field.start, parameters.filter.initial_covariance)
+        return build_on_map(program, name, field, place)
     robot.close()
     begins = replace(program.config.start_pose, restore_pose=False, set_initial_pose=False)
-    following = build_program(replace(program.config, map=name, start_pose=begins), wait)
-    assert isinstance(following.robot, SimulatedRobot)
-    if faults != following.robot.settings:
-        following.robot.change(faults)
+    config = replace(program.config, map=name, start_pose=begins)
+    following = build_program(config, wait, field=field)
+    if isinstance(robot, SimulatedRobot):
+        _keep_faults(robot, following.robot)
     values = changed_values(parameters, program.config.localization)
     if values:
         following.engine.commands.put(SetParametersCommand(type="set_parameters", values=values))
     return following
+
+
+def _keep_faults(before: SimulatedRobot, following: Robot) -> None:
+    if isinstance(following, SimulatedRobot) and before.settings != following.settings:
+        following.change(before.settings)
 
 
 def build_engine(
@@ -190,11 +194,9 @@ def build_engine(
         config.localization,
         robot.spec,
     )
-    tracking = None
-    if config.calibration.track:
-        tracking = CalibrationTracking(CalibrationTracker(robot.spec, field, config.scanner))
+    companions = companions_of(config, robot, field)
     start_pose = _odometry_start(begin, robot, field)
-    return connect(config, robot, localization, start_pose, tracking=tracking)
+    return connect(config, robot, localization, start_pose, companions=companions)
 
 
 def connect(
@@ -203,7 +205,7 @@ def connect(
     follower: Follower,
     start_pose: Pose2 = Pose2(),
     driving: Driving | None = None,
-    tracking: CalibrationTracking | None = None,
+    companions: Companions | None = None,
 ) -> Engine:
     """Connect given parts to an engine before its first tick.
 
@@ -213,7 +215,7 @@ def connect(
         follower: follows the robot by its pictures or scans; ``Follower()`` is none.
         start_pose: the robot's pose in the map where dead reckoning begins.
         driving: decides where to drive; by default as commands say.
-        tracking: follows the robot's calibration; by default it stays as it is.
+        companions: what features do in each tick; None is nothing.
     """
     kinematics = DifferentialDrive(robot.spec, config.drive.multipliers)
     driving = driving or Driving(
@@ -222,7 +224,7 @@ def connect(
         config.figure_eight,
     )
     odometry = Odometry(kinematics, config.odometry)
-    return Engine(Controls(robot, odometry, follower, driving, start_pose), apply, tracking)
+    return Engine(Controls(robot, odometry, follower, driving, start_pose), apply, companions)
 
 
 def _odometry_start(begin: Start, robot: Robot, field: Field) -> Pose2:

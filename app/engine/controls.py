@@ -14,9 +14,10 @@ from app.engine.parameter_changes import with_values_and_models
 from app.engine.problems import Problems
 from app.engine.snapshot import LAYERS
 from app.messages.message import Layer
-from robot.calibration.profile import Profile
+from robot.description.profile import Profile
 from robot.description.spec import RobotSpec
 from robot.driving.odometry import Odometry, OdometryState
+from robot.driving.route import Route
 from robot.geometry import Pose2
 from robot.interface import Frame, RepositionableRobot, Robot
 from robot.localization.parameters import LocalizationParameters
@@ -36,6 +37,8 @@ class EngineState:
     odom_from_scan: Pose2 | None = None
     picture_stamp: float | None = None
     """Stamp of the last picture [s]; the picture is not stored, as the next one replaces it."""
+    route: Route | None = None
+    """The route that explores."""
 
 
 class Controls:
@@ -88,6 +91,7 @@ class Controls:
             self.map_from_odom,
             self.odom_from_scan,
             stamp,
+            self.driving.route,
         )
 
     def restore(self, state: EngineState) -> None:
@@ -95,6 +99,7 @@ class Controls:
         self.spec = state.spec
         self.calibrated = state.calibrated
         self.driving.kinematics = state.odometry.drive
+        self.driving.route = state.route
         self.odometry = state.odometry
         self.follower = state.localization
         self.map_from_odom = state.map_from_odom

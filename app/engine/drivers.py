@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 import threading
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from app.engine.commands import RULES
+from app.engine.commands import row_of
+from app.engine.driver import Driver
 from app.engine.mailboxes.backlog import Backlog
 from app.engine.program import Program
 from app.messages.commands import Command
@@ -20,25 +20,6 @@ SILENCE = 1.0
 """A client that sends no drive command for this time [s] no longer drives."""
 RETURN_S = 5.0
 """A client heard within this time after a stop was taken over [s] may have begun before it."""
-
-OWN = ("127.0.0.1", "::1")
-"""Addresses of this machine, which say nothing about the client."""
-
-_numbers = itertools.count(1)
-
-
-@dataclass(eq=False)
-class Driver:
-    """A client that may drive; two clients are equal only if they are the same object."""
-
-    name: str
-    """The name that others see, such as ``ROS 2``."""
-
-    @classmethod
-    def numbered(cls, kind: str, address: str | None = None) -> Driver:
-        """Return a new client with a number in its name; ``kind`` is such as ``page {number}``."""
-        name = kind.format(number=next(_numbers))
-        return cls(f"{name} at {address}" if address and address not in OWN else name)
 
 
 @dataclass(slots=True)
@@ -121,7 +102,7 @@ class Drivers:
                 return
             if isinstance(command, StopCommand):
                 self._driver, self._stopped = None, self._clock()
-            elif RULES[type(command)].drives:
+            elif row_of(command).drives:
                 self._drive(driver)
             self._commands.put(command)
 

@@ -2,22 +2,35 @@
 
 from __future__ import annotations
 
-from typing import Literal
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
 
-from robot.calibration import programme
 from robot.driving.differential_drive import DifferentialDrive
-from robot.driving.drive_controller import DriveController
+from robot.driving.drive_controller import DriveController, lapsed
 from robot.driving.figure_eight import FigureEight
 from robot.driving.odometry import OdometryState
 from robot.driving.route import Route
-from robot.geometry import Array, Pose2, Twist2
+from robot.geometry import Pose2, Twist2
 
 GAP_S = 3.0
 """A programme that is renewed within this time continues where it was; the robot stands until then.
 Otherwise a moment without network would lose a minute of driving, and a figure-eight would begin
 again wherever a busy computer left the robot."""
 
-Mode = Literal["idle", "drive", "figure_eight", "calibrate", "explore"]
+Mode = str
+"""``idle``, ``drive``, ``figure_eight``, ``explore``, or the name of a feature's programme."""
+
+
+@dataclass(frozen=True)
+class Programme:
+    """What the robot drives by itself, from a start on: a velocity for each moment."""
+
+    mode: Mode
+    velocity: Callable[[float], Twist2]
+    """At a time after the start [s]."""
+    length: float = math.inf
+    """When it is over [s]."""
 
 
 class Driving:
@@ -28,15 +41,21 @@ class Driving:
     ) -> None:
         self.mode: Mode = "idle"
         self.route: Route | None = None
-        """The route that explores; None stands. Another thread may set the next one."""
+        """The route that explores; None stands."""
         self._controller = controller
         self._timeout = timeout
         self._eight = eight or FigureEight()
+        self._programme: Programme | None = None
         self._pace = 1.0
         """Factor on the speed of the figure-eight in the settings."""
         self._began = 0.0
         self._renewed = 0.0
         self._updated = 0.0
+
+    @property
+    def goal(self) -> Pose2 | None:
+        """Where the route leads, in the frame of odometry; None without one."""
+        return None if self.route is None else self.route.goal
 
     @property
     def kinematics(self) -> DifferentialDrive:
@@ -58,23 +77,26 @@ class Driving:
         """Start or renew the figure-eight; with another speed [m/s] it continues where it is."""
         pace = 1.0 if speed is None else speed / self._eight.speed
         if start or self.mode != "figure_eight":
-            self.mode = "figure_eight"
-            self._began = self._updated = stamp
+            self._begin(Programme("figure_eight", self._eight_velocity), stamp)
         elif pace != self._pace:
             self._began = stamp - (stamp - self._began) * self._pace / pace
         self._pace = pace
         self._renewed = stamp
 
-    def figure_eight_path(self, robot: Pose2) -> Array:
-        """Return the path (n, 2) [m] of a figure-eight that begins at a pose."""
-        return robot.apply(self._eight.path())
-
-    def calibrate(self, stamp: float, *, start: bool) -> None:
-        """Start or renew the drive of a calibration."""
-        if start and self.mode != "calibrate":
-            self.mode = "calibrate"
-            self._began = self._updated = stamp
+    def perform(self, programme: Programme, stamp: float, *, start: bool) -> None:
+        """Start or renew a programme."""
+        if start and self.mode != programme.mode:
+            self._begin(programme, stamp)
         self._renewed = stamp
+
+    def _begin(self, programme: Programme, stamp: float) -> None:
+        self.mode = programme.mode
+        self._programme = programme
+        self._began = self._updated = stamp
+
+    def _eight_velocity(self, elapsed: float) -> Twist2:
+        twist = self._eight.twist(elapsed * self._pace)
+        return Twist2(twist.v * self._pace, twist.omega * self._pace)
 
     def explore(self, stamp: float, *, start: bool) -> None:
         """Start or renew the exploration."""
@@ -91,8 +113,9 @@ class Driving:
     def update(self, odometry: OdometryState) -> Twist2:
         """Return the twist to apply at a pose in the odom frame."""
         stamp = odometry.stamp
-        if self.mode in ("figure_eight", "calibrate"):
-            self._follow_programme(stamp, self._lapsed(stamp))
+        programme = self._programme
+        if programme is not None and self.mode == programme.mode:
+            self._follow_programme(programme, stamp, not self._lapsed(stamp))
         elif self.mode == "explore":
             self._follow_route(odometry)
         self._updated = stamp
@@ -102,7 +125,7 @@ class Driving:
         return twist
 
     def _lapsed(self, stamp: float) -> bool:
-        return stamp - self._renewed >= self._timeout - 5e-7
+        return lapsed(stamp, self._renewed + self._timeout)
 
     def _follow_route(self, odometry: OdometryState) -> None:
         """Follow the route; stand at its end, and stop if the command is not renewed."""
@@ -115,22 +138,17 @@ class Driving:
             self._controller.command(twist, odometry.stamp)
             return
         self._controller.stop()
-        if self.route is route:
-            self.route = None
+        self.route = None
 
-    def _follow_programme(self, stamp: float, lapsed: bool) -> None:
-        """Continue the programme; stand if it is not renewed."""
-        if lapsed and stamp - self._renewed < GAP_S:
+    def _follow_programme(self, programme: Programme, stamp: float, renewed: bool) -> None:
+        """Continue a programme; stand if it is not renewed."""
+        if not renewed and stamp - self._renewed < GAP_S:
             self._controller.stop()
             # The programme continues where it was.
             self._began += stamp - self._updated
             return
         elapsed = stamp - self._began
-        if lapsed or (self.mode == "calibrate" and elapsed >= programme.USUAL_S - 5e-7):
+        if not renewed or lapsed(elapsed, programme.length):
             self.stop()
-        elif self.mode == "calibrate":
-            self._controller.command(programme.velocity(elapsed), stamp)
         else:
-            twist = self._eight.twist(elapsed * self._pace)
-            twist = Twist2(twist.v * self._pace, twist.omega * self._pace)
-            self._controller.command(twist, stamp)
+            self._controller.command(programme.velocity(elapsed), stamp)

@@ -15,7 +15,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from app.engine.calibration_tracking import CalibrationTracking
+from app.engine.companions import Companions
 from app.engine.controls import Controls
 from app.engine.localization import Localization
 from app.engine.loop_statistics import LoopMeter
@@ -24,11 +24,15 @@ from app.engine.mailboxes.broadcast import Broadcast
 from app.engine.mailboxes.latest import Latest
 from app.engine.problems import LOG
 from app.engine.snapshot import DrawnMap, Snapshot
+from app.languages.marking import phrase
 from app.messages.commands import Command
+from robot.description.spec import RobotSpec
 from robot.driving.odometry import OdometryState
+from robot.errors import BrickPoseError, one_line
 from robot.geometry import Twist2
-from robot.interface import Frame, Reading
+from robot.interface import Frame, Reading, RobotError
 from robot.scan import Scan
+from robot.scanning.line_scanner import LineScanner
 
 FRAME_OVERDUE = 0.5
 """Time without a picture [s], or three usual periods if longer, after which the camera stalled."""
@@ -45,14 +49,14 @@ class Engine:
     """Steps robot, odometry, filter and drive; one thread calls it."""
 
     def __init__(
-        self, controls: Controls, apply: Apply, tracking: CalibrationTracking | None = None
+        self, controls: Controls, apply: Apply, companions: Companions | None = None
     ) -> None:
         """Make an engine before its first tick.
 
         Args:
             controls: robot, odometry, filter and driving.
             apply: carries out a command; ``app.engine.commands`` has the table.
-            tracking: follows the robot's calibration; None leaves it as it is.
+            companions: what features do in each tick; None is nothing.
         """
         self.controls = controls
         self.latest: Latest[Snapshot] = Latest()
@@ -62,11 +66,15 @@ class Engine:
         """Why the engine failed; None while it has not."""
         self.handed_over = False
         """Whether another engine goes on with the robot: at the end it stands, but is open."""
-        self.drawn: DrawnMap | None = None
-        """The map that is drawn by driving, for snapshots; whoever draws it sets it."""
+        self.drawn: Latest[DrawnMap | None] = Latest()
+        """Takes the map that is drawn by driving, for snapshots."""
+        self._first = controls.spec, controls.follower.shown.scanner
+        """What the first tick begins with."""
         self._apply = apply
-        self._tracking = tracking
+        self._companions = companions or Companions()
         self._meter = LoopMeter()
+        self._last_scan: float | None = None
+        """Stamp of a laser's newest scan [s]."""
         self._applied: tuple[Reading, Twist2] | None = None
         """The last tick's reading and velocity."""
 
@@ -74,6 +82,20 @@ class Engine:
     def localization(self) -> Localization:
         """Scanner and filter."""
         return self.controls.localization
+
+    @property
+    def spec(self) -> RobotSpec:
+        """The robot as it is known at the newest tick; for any thread."""
+        latest = self.latest.get()
+        return self._first[0] if latest is None else latest.spec
+
+    @property
+    def scanner(self) -> LineScanner:
+        """What finds tape in pictures at the newest tick; for any thread."""
+        latest = self.latest.get()
+        scanner = self._first[1] if latest is None else latest.filter.scanner
+        assert scanner is not None  # a program has one; drives without a filter need none
+        return scanner
 
     def note(self, message: str) -> None:
         """Add a problem to the record at stamp 0, such as one from before the start."""
@@ -124,7 +146,7 @@ class Engine:
         if last is None:
             return
         self.controls.problems.report("engine", last.stamp, message)
-        self.latest.put(last.failed(self.controls.problems))
+        self.latest.put(last.failed(self.controls.problems.shown))
 
     def run(self, stop: threading.Event) -> None:
         """Step until ``stop`` is set; close the robot whatever happens, unless it is handed over.
@@ -141,11 +163,11 @@ class Engine:
                     gc.freeze()
         except Exception as error:
             LOG.exception("the engine stopped")
-            self.fail(f"The robot stopped: {error}")
+            kind = "" if isinstance(error, BrickPoseError) else f"{type(error).__name__}: "
+            self.fail(f"The robot stopped: {kind}{error}")
         finally:
             self._leave_robot()
-            if self._tracking is not None:
-                self._tracking.close()
+            self._companions.close()
 
     def _leave_robot(self) -> None:
         robot = self.controls.robot
@@ -157,15 +179,14 @@ class Engine:
     def _advance(self, reading: Reading, commands: tuple[Command, ...]) -> Snapshot:
         self._meter.begin()
         controls, driving = self.controls, self.controls.driving
+        _require_sound(reading, len(controls.robot.spec.joints))
         controls.stamp = reading.stamp
         odometry = controls.odometry.update(reading)
         controls.reload_own_models()
-        if self._tracking is not None:
-            commands += self._tracking.commands(odometry.odom_from_robot, controls)
+        commands += self._companions.commands(odometry.odom_from_robot, controls)
         self._take(commands, odometry)
         self._localize(reading)
-        if self._tracking is not None:
-            self._tracking.add(reading, controls)
+        self._companions.add(reading, controls)
         controls.stop_while_faulty(connected=reading.connected, faults=reading.faults)
         kinematics = controls.odometry.drive
         wheels = controls.robot.write(kinematics.wheels(driving.update(odometry)))
@@ -175,7 +196,21 @@ class Engine:
     def _take(self, commands: tuple[Command, ...], odometry: OdometryState) -> None:
         self.controls.follower.note(odometry.odom_from_robot)
         for command in commands:
-            self._apply(command, self.controls, odometry)
+            try:
+                self._apply(command, self.controls, odometry)
+            except RobotError:
+                raise
+            except Exception as error:
+                self._refuse(command, error)
+
+    def _refuse(self, command: Command, error: Exception) -> None:
+        """Name a command that could not be carried out; in doubt the robot stands."""
+        name = getattr(command, "type", type(command).__name__)
+        LOG.exception("the command %s failed", name)
+        self.controls.driving.stop()
+        kind, why = type(error).__name__, one_line(str(error)) or "no reason is given"
+        words = phrase(f"The command {name} failed: {kind}: {why}.")
+        self.controls.problems.note(self.controls.stamp, words)
 
     def _localize(self, reading: Reading) -> None:
         controls = self.controls
@@ -185,11 +220,16 @@ class Engine:
         if seen is not None:
             self._meter.frame(seen.stamp)
             self._measure(seen)
-        last = controls.frame.stamp if controls.frame else 0.0
+            self._last_scan = self._last_scan if frame else seen.stamp
+        # A robot that has sent scans and never a picture has a laser instead of a camera.
+        last = controls.frame.stamp if controls.frame else self._last_scan or 0.0
         overdue = reading.stamp - last > max(FRAME_OVERDUE, 3 * self._meter.frame_period)
         # A reported fault says more.
         overdue = overdue and controls.follower.needs_camera and not reading.faults
-        controls.report("camera", "The camera sends no pictures." if overdue else None)
+        silent = phrase("The camera sends no pictures.")
+        if controls.frame is None and self._last_scan is not None:
+            silent = phrase("The laser sends no scans.")
+        controls.report("camera", silent if overdue else None)
 
     def _measure(self, seen: Frame | Scan) -> None:
         controls = self.controls
@@ -209,8 +249,8 @@ class Engine:
         odometry: OdometryState,
         applied: Twist2,
     ) -> Snapshot:
-        controls, localization = self.controls, self.controls.follower
-        problems, belief = controls.problems, localization.belief
+        controls, follower = self.controls, self.controls.follower
+        belief = follower.belief
         scan_pose = None
         # Use the stored odometry of the scan: if the camera stalls, the odometry's history no
         # longer has that stamp.
@@ -228,33 +268,35 @@ class Engine:
             odom_from_robot=odometry.odom_from_robot,
             pose=belief.pose(odometry.odom_from_robot) if belief else None,
             estimate=belief.estimate if belief else None,
-            integrity=localization.integrity_at(odometry.odom_from_robot),
+            integrity=follower.integrity_at(odometry.odom_from_robot),
             twist=applied,
             mode=controls.driving.mode,
-            cloud=localization.cloud,
             frame=controls.frame,
-            scanner=localization.scanner,
-            line_scan=localization.line_scan,
+            filter=follower.shown,
             odom_from_scan=controls.odom_from_scan,
             scan_pose=scan_pose,
-            weighing=localization.weighing,
-            hand=localization.hand,
-            paused=localization.paused,
-            updates=localization.updates,
-            undoable=localization.undoable,
-            parameters=localization.parameters,
-            own=localization.choice,
-            fault=localization.fault,
-            trace=localization.trace,
             loop=self._meter.end(reading.stamp),
             connected=reading.connected,
             battery_v=reading.battery_v,
-            problems=problems.now,
-            problem_count=problems.count,
-            record=problems.record,
+            problems=controls.problems.shown,
             layers=controls.layers,
-            drawn=self.drawn,
+            drawn=self.drawn.get(),
+            route=controls.driving.goal,
+            added=self._companions.shown(controls),
         )
+
+
+def _require_sound(reading: Reading, joints: int) -> None:
+    """Refuse a reading that would make everything after it unknown.
+
+    Raises:
+        RobotError: names what is not a number for each joint.
+    """
+    for name, values in (("positions", reading.positions), ("velocities", reading.velocities)):
+        if values.shape != (joints,) or not np.isfinite(values).all():
+            raise RobotError(
+                f"the robot's {name} are {values.tolist()}; valid are {joints} finite numbers"
+            )
 
 
 def _exposed(frame: Frame | None, delay: float) -> Frame | None:

@@ -1,37 +1,35 @@
-"""Changes what is wrong with a simulated robot, while it drives."""
+"""Commands that change the faults of a simulated robot while it drives."""
 
 from __future__ import annotations
 
-from app.engine.controls import Controls
+from app.engine.command_row import CommandRow, TickContext
 from app.engine.program import Program
 from app.messages.commands import SetFaultsCommand
-from app.settings.faults import ROBOT, with_faults
-from robot.driving.odometry import OdometryState
+from app.settings.faults import with_faults
 from robot.errors import CommandError
 from robot.settings import SettingError
 from sim.simulated import SimulatedRobot
 
 
-def set_faults(command: SetFaultsCommand, controls: Controls, _odometry: OdometryState) -> None:
-    """Change the faults of the robot."""
-    robot = controls.robot
-    assert isinstance(robot, SimulatedRobot)  # ``check_faults`` made sure of it
-    robot.change(with_faults(robot.settings, command.values))
+def _set_faults(tick: TickContext[SetFaultsCommand]) -> None:
+    robot = tick.controls.robot
+    assert isinstance(robot, SimulatedRobot)  # ``_check_faults`` made sure of it
+    robot.change(with_faults(robot.settings, tick.command.values))
 
 
-def check_faults(command: SetFaultsCommand, program: Program) -> None:
+def _check_faults(command: SetFaultsCommand, program: Program) -> None:
     """Refuse faults that this robot cannot have.
 
     Raises:
-        CommandError: the robot is real or recorded, or a value is not valid.
+        CommandError: it has none, as real and recorded robots, or a value is not valid.
     """
     robot = program.robot
     if not isinstance(robot, SimulatedRobot):
-        raise CommandError(f"{robot.name} is real or recorded; faults are for simulated robots")
-    perfect = [name for name in command.values if name in ROBOT and not robot.has_imperfections]
-    if perfect:
-        raise CommandError(f"{robot.name} has perfect wheels and mounting: no {perfect[0]}")
+        raise CommandError(f"{robot.name} has no faults to set; the robots sim and kinematic have")
     try:
         with_faults(robot.settings, command.values)
     except SettingError as error:
         raise CommandError(str(error)) from error
+
+
+COMMANDS = (CommandRow(SetFaultsCommand, _set_faults, check=_check_faults, slow=True),)

@@ -1,8 +1,9 @@
-"""What the engine asks of a filter in each tick; the class itself is a drive without a filter."""
+"""A follower: what the engine asks of a filter in each tick; the class itself has no filter."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -21,60 +22,55 @@ from robot.scanning.line_scanner import LineScan, LineScanner
 NO_CLOUD = Cloud(np.empty((0, 3)), np.empty(0))
 
 
+@dataclass(frozen=True, slots=True)
+class FilterState:
+    """What scanner and filter show of themselves at a tick; by default nothing follows the robot.
+
+    A new value is a line here, and one where its follower makes it; ``Snapshot.filter`` has it.
+    """
+
+    scanner: LineScanner | None = field(default=None, repr=False)
+    """What finds tape in pictures now; None if nothing does."""
+    line_scan: LineScan | None = field(default=None, repr=False)
+    """What the scanner found in the last picture that was used."""
+    cloud: Cloud = field(default=NO_CLOUD, repr=False)
+    """The particles with their newest weights; by hand, as they stand."""
+    weighing: Weighing | None = field(default=None, repr=False)
+    """The scan by which particles are weighed now, and how; None before the first."""
+    hand: HandState | None = field(default=None, repr=False)
+    """How far the filter is by hand; None while it works by itself."""
+    paused: bool = False
+    updates: int = 0
+    """Measurement updates since the filter last started again."""
+    undoable: int = 0
+    """How many changes of the belief can be undone."""
+    parameters: LocalizationParameters = field(default=LocalizationParameters(), repr=False)
+    own: OwnChoice = field(default=OwnChoice(), repr=False)
+    """The user's own models in use and on offer."""
+    fault: str | None = None
+    """What is wrong with these models, with file and line; the robot stands still meanwhile."""
+    trace: str = field(default="", repr=False)
+    """The calls that led to that fault, from the user's file on."""
+
+
 class Follower:
     """Follows the robot by its measurements; this one ignores them and knows nothing."""
 
     needs_camera = False
     """Whether a camera that sends no pictures is reported."""
-    paused = False
     belief: Belief | None = None
-    scanner: LineScanner | None = None
-    """Finds tape in pictures; None if it follows none."""
-    line_scan: LineScan | None = None
-    """What a scanner found in the last picture."""
-    parameters = LocalizationParameters()
     own: OwnModels | None = None
     """The user's own models; None if it can use none."""
 
     @property
-    def cloud(self) -> Cloud:
-        """The particles with their newest weights."""
-        return NO_CLOUD
-
-    @property
-    def weighing(self) -> Weighing | None:
-        """The scan by which particles are weighed now, and how; None without one."""
-        return None
-
-    @property
-    def hand(self) -> HandState | None:
-        """How far the filter is by hand; None while it works by itself."""
-        return None
-
-    @property
-    def updates(self) -> int:
-        """Measurement updates since the filter last started again."""
-        return 0
-
-    @property
-    def undoable(self) -> int:
-        """How many changes of the belief can be undone."""
-        return 0
-
-    @property
-    def choice(self) -> OwnChoice:
-        """The user's own models in use and on offer."""
-        return self.own.choice if self.own else OwnChoice()
+    def shown(self) -> FilterState:
+        """What it shows of itself now."""
+        return FilterState()
 
     @property
     def fault(self) -> str | None:
         """Why the robot has to stand still: a fault of an own model; None if it may drive."""
         return self.own.fault if self.own else None
-
-    @property
-    def trace(self) -> str:
-        """The calls that led to the fault in a user's file; empty if there is none."""
-        return self.own.trace if self.own else ""
 
     @property
     def complaints(self) -> Mapping[str, str | None]:

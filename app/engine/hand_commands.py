@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Iterator
 
+from app.engine.command_row import CommandRow, Repeat, TickContext
 from app.engine.controls import Controls
 from app.engine.program import Program
 from app.languages.marking import phrase
@@ -12,48 +13,43 @@ from app.messages.hand_commands import (
     FilterByHandCommand,
     FilterStepCommand,
     FilterUndoCommand,
-    HandCommand,
 )
-from robot.driving.odometry import OdometryState
 from robot.errors import CommandError
 from robot.localization.filter_by_hand import StepError
 
 
-def filter_by_hand(
-    command: FilterByHandCommand, controls: Controls, _odometry: OdometryState
-) -> None:
-    """Switch the filter by hand on or off."""
-    localization = controls.localization
-    with _refusals(controls):
-        localization.by_hand.switch(localization.localizer if command.on else None)
+def _filter_by_hand(tick: TickContext[FilterByHandCommand]) -> None:
+    localization = tick.localization
+    with _refusals(tick.controls):
+        localization.by_hand.switch(localization.localizer if tick.command.on else None)
 
 
-def filter_step(command: FilterStepCommand, controls: Controls, _odometry: OdometryState) -> None:
+def _filter_step(tick: TickContext[FilterStepCommand]) -> None:
     """Take a step, if this is the time for it."""
-    localization = controls.localization
-    with _refusals(controls):
+    localization, step = tick.localization, tick.command.step
+    with _refusals(tick.controls):
         belief = localization.by_hand.step(
-            command.step, localization.newest, localization.parts, localization.unchanging
+            step, localization.newest, localization.parts, localization.unchanging
         )
-        if command.step == "weigh":
+        if step == "weigh":
             localization.own.note_update()
             localization.belief = belief or localization.belief
 
 
-def filter_undo(_command: FilterUndoCommand, controls: Controls, _odometry: OdometryState) -> None:
+def _filter_undo(tick: TickContext[FilterUndoCommand]) -> None:
     """Take back a step, if there is one."""
-    localization = controls.localization
-    with _refusals(controls):
+    localization = tick.localization
+    with _refusals(tick.controls):
         localization.put_back(localization.by_hand.undo())
 
 
-def check_particles_filter(_command: HandCommand, program: Program) -> None:
+def require_particles(program: Program) -> None:
     """Refuse steps of a filter that is no particle filter.
 
     Whether it is the time for a step is only known when the commands before it are carried out.
     """
     latest = program.engine.latest.get()
-    kind = (latest.parameters if latest else program.config.localization).filter.filter
+    kind = (latest.filter.parameters if latest else program.config.localization).filter.filter
     if kind != "particles":
         raise CommandError(f"the filter {kind} has no steps by hand; choose particles")
 
@@ -66,3 +62,10 @@ def _refusals(controls: Controls) -> Iterator[None]:
     except StepError as error:
         words = phrase(f"A step by hand was not taken: {error}.")
         controls.problems.note(controls.stamp, words)
+
+
+COMMANDS = (
+    CommandRow(FilterByHandCommand, _filter_by_hand, Repeat.MOMENT, allowed=require_particles),
+    CommandRow(FilterStepCommand, _filter_step, Repeat.MOMENT, allowed=require_particles),
+    CommandRow(FilterUndoCommand, _filter_undo, Repeat.MOMENT, allowed=require_particles),
+)

@@ -10,9 +10,9 @@ import numpy as np
 
 from app.engine.earlier_beliefs import EarlierBeliefs
 from app.engine.filter_models import FilterModels
-from app.engine.follower import Follower
+from app.engine.follower import FilterState, Follower
 from app.engine.own_models.own_models import OwnChoice, OwnModels
-from app.engine.steps_by_hand import HandState, StepsByHand
+from app.engine.steps_by_hand import StepsByHand
 from robot.description.spec import RobotSpec
 from robot.driving.odometry import OdometryState
 from robot.fields.field import Field
@@ -24,12 +24,12 @@ from robot.localization.localizer import Localizer, make_filter, transfer_belief
 from robot.localization.models.entry_field import EntryField
 from robot.localization.monitoring.claims import propagate_claim
 from robot.localization.monitoring.monitor import Monitor
-from robot.localization.monitoring.mounting_check import Mounting
+from robot.localization.monitoring.mounting_check import CameraPosition
 from robot.localization.monitoring.steady_errors import SteadyErrors
 from robot.localization.parameters import LocalizationParameters
 from robot.localization.weighing import Weighing
 from robot.scan import Scan
-from robot.scanning.line_scanner import LineScanner
+from robot.scanning.line_scanner import LineScan, LineScanner
 
 
 class Localization(Follower):
@@ -64,7 +64,10 @@ class Localization(Follower):
             configured: the parameters that ``reset`` restores; by default ``parameters``.
             spec: the robot, for what its calibration leaves open; by default nobody measured it.
         """
-        self.scanner: LineScanner = scanner
+        self.scanner = scanner
+        self.line_scan: LineScan | None = None
+        """What the scanner found in the last picture."""
+        self.paused = False
         self.own: OwnModels = own or OwnModels(field)
         self.own.load(parameters)
         self.parameters = parameters
@@ -80,12 +83,17 @@ class Localization(Follower):
         self.by_hand = StepsByHand()
         self.newest: tuple[Scan, Pose2] | None = None
         """The newest scan, and odometry at its stamp; None before the first."""
+        self._weighing: Weighing | None = None
+        self._weighed_by: tuple[object, ...] = ()
+        """What ``_weighing`` was made from."""
         self.remarks: tuple[Alert, ...] = ()
         """Reasons for doubt besides those that the monitor finds."""
         self.models = FilterModels(field, self.own, entries)
         """Of sensor and motion, and their table of distances."""
         setup = self._setup()
-        self._monitor = Monitor(setup.evidence, Mounting.of(scanner.view), SteadyErrors.of(spec))
+        self._monitor = Monitor(
+            setup.evidence, CameraPosition.of(scanner.view), SteadyErrors.of(spec)
+        )
         self.localizer = Localizer.of(make_filter(setup, rng), setup, self._monitor)
         if start:
             self._begin()
@@ -96,21 +104,38 @@ class Localization(Follower):
         return self.by_hand.particles or self.localizer.filter.cloud
 
     @property
-    def hand(self) -> HandState | None:
-        """How far the filter is by hand; None while it works by itself."""
-        return self.by_hand.state(self.newest and self.newest[1])
+    def shown(self) -> FilterState:
+        """What scanner and filter show of themselves now."""
+        return FilterState(
+            scanner=self.scanner,
+            line_scan=self.line_scan,
+            cloud=self.cloud,
+            weighing=self._weigh_newest(),
+            hand=self.by_hand.state(self.newest and self.newest[1]),
+            paused=self.paused,
+            updates=self.localizer.updates,
+            undoable=len(self.earlier),
+            parameters=self.parameters,
+            own=self.own.choice,
+            fault=self.own.fault,
+            trace=self.own.trace,
+        )
 
-    @property
-    def weighing(self) -> Weighing | None:
-        """The scan by which particles are weighed now, and how; None before the first."""
+    def _weigh_newest(self) -> Weighing | None:
         seen, newest = self.localizer.seen, self.newest
         if seen is None or newest is None:
             return None
         scan, odometry = self.by_hand.seen or (seen, newest[1])
         extra = self.localizer.filter.extra_sd
-        best = None if self.belief is None else self.belief.pose(odometry)
         power = self.parameters.sensor.likelihood_weight
-        return Weighing(replace(scan, extra_sd=extra), self.models.sensor, power, best)
+        # Snapshots ask for it 50 times a second; it is another one only after a picture or command.
+        known = scan, extra, self.models.sensor, power, self.belief, odometry
+        if not _are_same(known, self._weighed_by):
+            self._weighed_by = known
+            best = None if self.belief is None else self.belief.pose(odometry)
+            seen = replace(scan, extra_sd=extra)
+            self._weighing = Weighing(seen, self.models.sensor, power, best)
+        return self._weighing
 
     @property
     def integrity(self) -> Integrity:
@@ -122,16 +147,6 @@ class Localization(Follower):
         moved = self.belief.moved(odom_from_robot) if self.belief else Pose2()
         claim = propagate_claim(self.integrity, moved)
         return replace(claim, alerts=self.remarks + claim.alerts) if self.remarks else claim
-
-    @property
-    def updates(self) -> int:
-        """Measurement updates since the filter last started again."""
-        return self.localizer.updates
-
-    @property
-    def undoable(self) -> int:
-        """How many changes of the belief can be undone."""
-        return len(self.earlier)
 
     def note(self, odom_from_robot: Pose2) -> None:
         """Note the present odometry pose, before commands that may set the filter's pose."""
@@ -223,7 +238,7 @@ class Localization(Follower):
         # What was found of the camera's and the wheels' errors was of the robot before.
         self._monitor = Monitor(
             self._setup().evidence,
-            Mounting.of(spec.floor_view),
+            CameraPosition.of(spec.floor_view),
             SteadyErrors.of(spec),
         )
         self.localizer.monitor = self._monitor
@@ -292,3 +307,8 @@ class Localization(Follower):
 
     def _setup(self) -> Setup:
         return self.models.setup(self.parameters)
+
+
+def _are_same(parts: tuple[object, ...], others: tuple[object, ...]) -> bool:
+    """Whether two tuples hold the very same objects; arrays are not compared."""
+    return len(parts) == len(others) and all(a is b for a, b in zip(parts, others, strict=True))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 KEPT = 100
 LOG = logging.getLogger("brickpose")
@@ -19,6 +19,18 @@ class Problem:
     stamp: float
     """The robot's clock [s]."""
     message: str
+
+
+@dataclass(frozen=True, slots=True)
+class ProblemState:
+    """The problems that a tick shows."""
+
+    present: tuple[str, ...]
+    """What is wrong now."""
+    count: int
+    """Problems since the start."""
+    record: tuple[Problem, ...] = field(repr=False)
+    """The last hundred, newest last."""
 
 
 class Problems:
@@ -59,6 +71,6 @@ class Problems:
         LOG.log(self._level, "%.2f s: %s", stamp, message)
 
     @property
-    def now(self) -> tuple[str, ...]:
-        """The current problems."""
-        return tuple(self._now.values())
+    def shown(self) -> ProblemState:
+        """The problems that a tick shows."""
+        return ProblemState(tuple(self._now.values()), self.count, self.record)

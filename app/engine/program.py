@@ -1,9 +1,10 @@
-"""A running robot with its engine, as page, ROS 2 and recordings see it."""
+"""The running program: a robot with its engine, as page, ROS 2 and recordings see it."""
 
 from __future__ import annotations
 
+import dataclasses
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -29,5 +30,9 @@ class Program:
     loop: Callable[[threading.Event], None] | None = None
     """The loop of a replay, which runs until the event is set; None uses the engine's own loop. A
     replay cannot be driven."""
+    complaints: tuple[str, ...] = ()
+    """What is amiss though the robot drives, as a feature that cannot be loaded; for people."""
     stopped: bool = False
     """Whether a stop holds that was given to the program before this one."""
+    handed_on: Mapping[str, object] = dataclasses.field(default_factory=dict)
+    """What features have to know of the program before this one, by their names."""

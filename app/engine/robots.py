@@ -1,28 +1,41 @@
-"""Makes the robot that the configuration names: a simulated one, or the Build HAT."""
+"""Finds the robot that the configuration names, with what is known of it, and builds it."""
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
+from pathlib import Path
 
 import numpy as np
 
+from app.engine.plugging import plugged
+from app.engine.robot_kind import Blueprint, RobotKind
+from app.engine.simulated_robots import KINEMATIC, SIM
 from app.languages.marking import phrase
-from app.settings.config import Config
-from app.settings.profiles import profile_file
-from robot.calibration.profile import load_profile
+from app.settings.config import AUTO, Config
+from app.settings.profiles import NONE, own_profile
+from robot.description.profile import load_profile
 from robot.description.spec import RobotSpec
 from robot.errors import PackageError
 from robot.fields.field import Field
-from robot.hat.build_hat import BuildHat
 from robot.interface import Robot
-from sim.bullet import BulletWorld, load_pybullet
-from sim.encoders import Encoders
-from sim.imperfections import Imperfections, bumped, draw
-from sim.simulated import Making, SimulatedRobot
-from sim.world import KinematicWorld
+from robot.settings import SettingError
+
+
+def robot_kind(config: Config) -> RobotKind:
+    """Return what kind of robot the configuration names.
+
+    Raises:
+        SettingError: there is no such robot; names those that there are.
+    """
+    robots = plugged().robots
+    if config.robot == AUTO:
+        return SIM
+    if config.robot not in robots:
+        valid = ", ".join((AUTO, *robots))
+        words = phrase(f"robot is {config.robot!r}; valid are {valid}")
+        raise SettingError(". ".join((words, *plugged().features.failures)))
+    return robots[config.robot]
 
 
 def robot_spec(config: Config) -> RobotSpec:
@@ -35,6 +48,30 @@ def robot_spec(config: Config) -> RobotSpec:
     return spec if path is None else load_profile(path).applied_to(spec)
 
 
+def profile_file(config: Config) -> Path | None:
+    """Return the profile that holds; None if the robot is as described.
+
+    Without a setting, that is a real robot's own one. Simulated robots have none of their own: each
+    seed is another robot.
+    """
+    if config.profile:
+        return None if config.profile == NONE else Path(config.profile)
+    if robot_kind(config).is_simulated:
+        return None
+    path = own_profile(RobotSpec.load().name)
+    return path if path.exists() else None
+
+
+def written_file(config: Config) -> Path | None:
+    """Return the file that a running robot's calibration is written to.
+
+    None if the robot is simulated: its calibration ends with the program.
+    """
+    if robot_kind(config).is_simulated:
+        return None
+    return profile_file(config) or own_profile(RobotSpec.load().name)
+
+
 def build_robot(
     config: Config,
     spec: RobotSpec,
@@ -43,62 +80,23 @@ def build_robot(
     wait: Callable[[float], None],
 ) -> Robot:
     """Build the robot that the configuration names."""
-    if config.robot == "buildhat":
-        return BuildHat.open(spec, config.build_hat, config.camera)
-    return build_simulated(config, spec, field, rng, wait)
-
-
-def build_simulated(
-    config: Config,
-    spec: RobotSpec,
-    field: Field,
-    rng: np.random.Generator,
-    wait: Callable[[float], None],
-) -> SimulatedRobot:
-    """Build the simulated robot that the configuration names."""
-    if config.robot == "sim":
-        drawing = copy.deepcopy(rng)
-        true = draw(spec.as_drawn, config.sim.imperfections, rng)
-        world = BulletWorld(true, field.start, settings=config.sim.physics)
-        encoders = Encoders(spec, config.sim.imperfections, rng)
-        seen, imperfections = true.floor_view, config.sim.imperfections
-        bump = imperfections.bump_time, bumped(true, imperfections).floor_view
-        return SimulatedRobot(
-            phrase("Simulated robot"),
-            spec,
-            field,
-            world,
-            encoders,
-            config.sim.camera,
-            rng,
-            wait,
-            seen,
-            None if imperfections.bump == "none" else bump,
-            Making(imperfections, drawing, partial(BulletWorld, settings=config.sim.physics)),
-        )
-    perfect = Encoders(spec, Imperfections.none(), rng)
-    return SimulatedRobot(
-        phrase("Kinematic robot"),
-        spec,
-        field,
-        KinematicWorld(spec, field.start),
-        perfect,
-        config.sim.camera,
-        rng,
-        wait,
-    )
+    return robot_kind(config).build(Blueprint(config, spec, field, rng, wait))
 
 
 def resolve_robot(config: Config) -> tuple[Config, str | None]:
-    """Replace the robot ``auto`` by an available one.
+    """Replace the robot ``auto``, and the physics engine ``auto``, by what is available.
 
-    Returns the configuration with that robot; and why the simulator with physics is not available,
-    or None.
+    Returns the configuration with both; and why the simulator with physics is not available, if
+    the robot was to be chosen.
+
+    Raises:
+        PackageError: the robot, or an engine by name, was asked for and is not installed.
+        SettingError: there is no such robot.
     """
-    if config.robot != "auto":
-        return config, None
+    kind = robot_kind(config)
     try:
-        load_pybullet()
+        return kind.resolve(replace(config, robot=kind.name)), None
     except PackageError as error:
-        return replace(config, robot="kinematic"), str(error)
-    return replace(config, robot="sim"), None
+        if config.robot != AUTO or config.sim.engine != AUTO:
+            raise
+        return replace(config, robot=KINEMATIC.name), str(error)

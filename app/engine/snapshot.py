@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import get_args
+from typing import Any, get_args
 
 from app.engine.driving import Mode
-from app.engine.own_models.own_models import OwnChoice
-from app.engine.problems import Problem, Problems
-from app.engine.steps_by_hand import HandState
+from app.engine.follower import FilterState
+from app.engine.problems import ProblemState
 from app.messages.commands import Command
 from app.messages.message import Layer
 from robot.description.spec import RobotSpec
@@ -17,10 +17,6 @@ from robot.fields.grid_map import OccupancyGrid
 from robot.geometry import Array, Pose2, Twist2
 from robot.interface import Frame, Reading
 from robot.localization.estimate import Estimate, Integrity, State
-from robot.localization.filter import Cloud
-from robot.localization.parameters import LocalizationParameters
-from robot.localization.weighing import Weighing
-from robot.scanning.line_scanner import LineScan, LineScanner
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +66,7 @@ class DrawnMap:
 
 @dataclass(frozen=True, slots=True)
 class Snapshot:
-    """Everything that one tick shows."""
+    """Everything that one tick shows, in frozen values that their owners made."""
 
     stamp: float
     """The robot's clock [s]."""
@@ -98,42 +94,26 @@ class Snapshot:
     twist: Twist2
     """The applied velocity."""
     mode: Mode
-    cloud: Cloud = field(repr=False)
+    filter: FilterState = field(repr=False)
+    """Scanner and filter."""
     frame: Frame | None
     """The newest picture, with the stamp of its exposure."""
-    scanner: LineScanner | None = field(repr=False)
-    """What finds tape in pictures now; None if nothing does."""
-    line_scan: LineScan | None = field(repr=False)
-    """What the scanner found in the last picture that was used."""
     odom_from_scan: Pose2 | None
     """Odometry at the scan's stamp."""
     scan_pose: Pose2 | None
     """The estimate at the scan's stamp."""
-    weighing: Weighing | None = field(repr=False)
-    """The scan by which particles are weighed now, and how; None before the first."""
-    hand: HandState | None = field(repr=False)
-    """How far the filter is by hand; None while it works by itself."""
-    paused: bool
-    updates: int
-    undoable: int
-    """How many changes of the belief can be undone."""
-    parameters: LocalizationParameters = field(repr=False)
-    own: OwnChoice = field(repr=False)
-    """The user's own models in use and on offer."""
-    fault: str | None
-    """What is wrong with these models, with file and line; the robot stands still meanwhile."""
-    trace: str = field(repr=False)
-    """The calls that led to that fault, from the user's file on."""
     loop: LoopStatistics
     connected: bool
     battery_v: float | None
-    problems: tuple[str, ...]
-    problem_count: int
-    record: tuple[Problem, ...] = field(repr=False)
+    problems: ProblemState
     layers: frozenset[Layer]
     """Visible layers of the 3D view."""
+    route: Pose2 | None = None
+    """Goal of the route that explores, in the frame ``odom``; None without one."""
     drawn: DrawnMap | None = field(default=None, repr=False)
     """The map that is drawn by driving; None without one."""
+    added: Mapping[str, Any] = field(default_factory=dict, repr=False)
+    """What companions show of themselves, by the names of their features."""
     replay: ReplayState | None = None
     """State of the replay; None if this is not a replay."""
 
@@ -142,7 +122,7 @@ class Snapshot:
         """Whether the filter holds one place for the robot's."""
         return self.integrity.state in (State.CERTAIN, State.APPROXIMATE)
 
-    def failed(self, problems: Problems) -> Snapshot:
+    def failed(self, problems: ProblemState) -> Snapshot:
         """Return this snapshot for a failed engine: the robot stands and does not answer."""
         return replace(
             self,
@@ -150,9 +130,7 @@ class Snapshot:
             twist=Twist2(),
             mode="idle",
             connected=False,
-            problems=problems.now,
-            problem_count=problems.count,
-            record=problems.record,
+            problems=problems,
         )
 
     def hypotheses(self) -> list[tuple[Pose2, float, Array]]:

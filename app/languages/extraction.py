@@ -15,38 +15,46 @@ Text = str | tuple[str, str]
 """A text, or its singular and plural."""
 
 TELLING = (
-    "app/course/sandbox/student_process.py", "app/engine", "app/messages/commands.py",
+    "app/features/course/sandbox/student_process.py", "app/engine", "app/messages/commands.py",
     "app/messages/message.py", "app/page",
-    "app/files.py", "app/recordings", "app/settings/conditions.py", "app/settings/faults.py",
-    "app/settings/field_names.py", "robot/calibration", "robot/cameras", "robot/fields",
-    "robot/hat", "robot/interface.py", "robot/localization", "robot/mapping", "robot/settings.py",
-    "robot/toml_file.py", "sim/floor_camera.py", "sim/imperfections.py",
+    "app/features/calibration", "app/features/mapping", "app/features/recordings",
+    "app/files.py", "app/settings/conditions.py", "app/settings/faults.py",
+    "app/settings/field_names.py", "robot/calibration", "robot/description/profile.py",
+    "robot/description/unknowns.py", "robot/description/lens_table.py", "robot/cameras",
+    "robot/fields", "robot/hat", "robot/interface.py", "robot/localization", "robot/mapping",
+    "robot/settings.py", "robot/toml_file.py", "sim/floor_camera.py", "sim/imperfections.py",
 )  # fmt: skip
 """Where errors and settings come from that the page shows: what they say are texts."""
 SPEAKING = (
-    "app/course/grader/causes/", "app/course/grader/forms.py", "app/course/grading.py",
-    "app/course/lessons/", "app/course/sandbox/audit.py",
-    "app/engine/drivers.py", "app/engine/mapping/drawing_work.py",
+    "app/engine/driver.py", "app/engine/drivers.py", "app/features/mapping/drawing_work.py",
     "app/engine/own_models/own_models.py",
-    "app/page/profile.py", "app/recordings/files/mcap_reader.py", "app/recordings/recorder.py",
-    "app/recordings/replay/opening.py", "app/recordings/replay/position.py",
-    "app/recordings/replay/recorded_robot.py", "app/recordings/replay/requests.py",
+    "app/features/course/grader/causes/", "app/features/course/grader/forms.py",
+    "app/features/course/grading.py", "app/features/course/lessons/",
+    "app/features/course/sandbox/audit.py",
+    "app/page/profile.py", "app/features/recordings/files/file_kinds.py",
+    "app/features/recordings/files/mcap_reader.py", "app/features/recordings/recorder.py",
+    "app/features/recordings/replay/opening.py", "app/features/recordings/replay/position.py",
+    "app/features/recordings/replay/recorded_robot.py",
+    "app/features/recordings/replay/requests.py",
     "robot/calibration/calibrate.py", "robot/calibration/lens/coverage.py",
+    "robot/calibration/lens/charuco.py", "robot/calibration/lens/chessboard.py",
     "robot/calibration/lens/guide.py", "robot/calibration/lens/lens_calibration.py",
-    "robot/calibration/lens/sighting.py", "robot/cameras/choice.py", "robot/cameras/files.py",
-    "robot/cameras/grabber.py", "robot/hat/board.py", "robot/hat/motor.py",
+    "robot/cameras/choice.py", "robot/cameras/files.py",
+    "robot/cameras/grabber.py", "robot/fields/drawing/question.py", "robot/hat/board.py",
+    "robot/hat/motor.py",
     "robot/calibration/model_check.py", "robot/calibration/tracker.py",
     "robot/hat/start/troubles.py", "robot/hat/start/upload.py",
     "robot/localization/estimate.py", "robot/localization/monitoring/causes.py",
     "robot/mapping/pushed.py", "robot/mapping/tape_map.py", "robot/settings.py",
 )  # fmt: skip
 """Modules and folders in which every sentence is a text, but their documentation."""
-LESSONS = "app/course/lessons"
+LESSONS = "app/features/course/lessons"
 """Where each lesson has a folder ``<number>_<name>``; the docstrings of its stub are texts."""
 SILENT = (
     "app/languages", "app/page/access_options.py", "app/page/docs_page.py", "app/page/documents",
-    "app/page/listening.py", "app/page/tokens.py", "app/recordings/options.py",
-    "app/recordings/remote.py", "app/recordings/remote_robot.py",
+    "app/page/listening.py", "app/page/run_command.py", "app/page/tokens.py",
+    "app/features/recordings/options.py", "app/features/recordings/remote.py",
+    "app/features/recordings/remote_robot.py", "app/features/recordings/replay_command.py",
     "robot/calibration/mounting", "robot/hat/settings.py",
     "robot/hat/start/firmware_image.py", "robot/hat/start/reset_line.py",
 )  # fmt: skip

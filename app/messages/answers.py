@@ -7,6 +7,18 @@ from typing import Any, Literal
 from app.messages.message import Message
 from app.messages.telemetry import PoseMessage
 
+Responses = dict[int | str, dict[str, Any]]
+"""By status, as FastAPI wants it."""
+
+
+class CompilingMessage(Message):
+    """How far the first start is, which compiles functions for this computer."""
+
+    done: int
+    """Functions that are compiled."""
+    total: int
+    """Functions that are to be compiled, those included."""
+
 
 class HealthMessage(Message):
     """Whether the program works."""
@@ -16,6 +28,8 @@ class HealthMessage(Message):
     robot: str
     uptime_s: float
     step_hz: float
+    compiling: CompilingMessage | None = None
+    """Present while functions are compiled; there is no robot before that is done."""
 
 
 class AccessMessage(Message):
@@ -53,6 +67,8 @@ class FieldMessage(Message):
     """The robot's outline on the floor [m], in the robot frame."""
     robot_measured: str
     """When and by what the robot was calibrated; empty if it is as described."""
+    engine_missing: bool
+    """Whether a simulated robot moves without forces, and no physics engine is installed here."""
     max_v: float
     max_omega: float
     drive_timeout: float
@@ -72,6 +88,8 @@ class FieldMessage(Message):
     """Width of tape that the scanner looks for [m], to compare with ``ScanMessage.tape_width``."""
     rays_px: list[list[tuple[float, float]]]
     """Each ray as a line of pixels, from its start to its end in the picture."""
+    features: list[str]
+    """Names of the features that take part; the page hides what belongs to others."""
 
 
 class UnknownMessage(Message):
@@ -199,10 +217,6 @@ class ProblemsMessage(Message):
     problems: list[ProblemMessage]
     trace: str = ""
     """The calls that led to the current fault of a user's own model, with their lines."""
-
-
-Responses = dict[int | str, dict[str, Any]]
-"""By status, as FastAPI wants it."""
 
 
 class RefusalMessage(Message):

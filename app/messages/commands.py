@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import AwareDatetime, Field, TypeAdapter, ValidationError
+from pydantic import AwareDatetime, Field, ValidationError
 
-from app.messages.driving_commands import DrivingCommand
-from app.messages.hand_commands import HandCommand
-from app.messages.map_commands import MapCommand
 from app.messages.message import CommandMessage, Layer, Message, Metres, Radians
-from robot.errors import CommandError
+
+Command = CommandMessage
+"""Any command; ``app/engine/commands.py`` has the table of all."""
 
 MOST_POSES = 20_000
 """Most poses from which a filter can be started."""
+LONGEST_COMMAND = 2_000_000
+"""Longest command [characters]; 20,000 poses with weights are shorter."""
 
 
 class SetPoseCommand(CommandMessage):
@@ -187,35 +188,6 @@ class PingCommand(CommandMessage):
     type: Literal["ping"]
 
 
-Command = Annotated[
-    DrivingCommand
-    | MapCommand
-    | HandCommand
-    | SetPoseCommand
-    | SetParticlesCommand
-    | ScatterCommand
-    | UndoCommand
-    | PlaceCommand
-    | PauseCommand
-    | ResumeCommand
-    | UpdateCommand
-    | ResetCommand
-    | SetParametersCommand
-    | SetCalibrationCommand
-    | SetFaultsCommand
-    | UseFieldCommand
-    | ShowCommand
-    | RecordCommand
-    | ReplayCommand
-    | OpenRecordingCommand
-    | RunAgainCommand
-    | CloseRecordingCommand
-    | PingCommand,
-    Field(discriminator="type"),
-]
-COMMAND: TypeAdapter[Command] = TypeAdapter(Command)
-
-
 class AckMessage(Message):
     """The command was accepted."""
 
@@ -231,26 +203,6 @@ class ErrorMessage(Message):
     type: Literal["error"] = "error"
     id: int | str | None
     message: str
-
-
-LONGEST_COMMAND = 2_000_000
-"""Longest command [characters]; 20,000 poses with weights are shorter."""
-
-
-def parse(text: str) -> Command:
-    """Return the command in a JSON text.
-
-    Raises:
-        CommandError: the text is not a command; the message says what is wrong and what is valid.
-    """
-    if len(text) > LONGEST_COMMAND:
-        raise CommandError(
-            f"a command has at most {LONGEST_COMMAND} characters; this has {len(text)}"
-        )
-    try:
-        return COMMAND.validate_json(text)
-    except ValidationError as error:
-        raise CommandError(in_words(error)) from error
 
 
 def in_words(error: ValidationError) -> str:

@@ -68,14 +68,3 @@ class TakeCommand(CommandMessage):
     """Take over from the client that drives, and end a stop that holds."""
 
     type: Literal["take"]
-
-
-DrivingCommand = (
-    DriveCommand
-    | StopCommand
-    | TakeCommand
-    | FigureEightCommand
-    | CalibrateCommand
-    | FinishCalibrationCommand
-    | UndoCalibrationCommand
-)

@@ -33,6 +33,3 @@ class FilterUndoCommand(CommandMessage):
     """Take back the last step by hand, random numbers included."""
 
     type: Literal["filter_undo"]
-
-
-HandCommand = FilterByHandCommand | FilterStepCommand | FilterUndoCommand

@@ -16,17 +16,19 @@ class BoardMessage(Message):
     """A printed board."""
 
     kind: str = "chessboard"
-    """chessboard or charuco."""
+    """chessboard, charuco or aprilgrid."""
     columns: int = 10
-    """Squares across the page."""
+    """Squares, or tags, across the page."""
     rows: int = 7
-    """Squares up the page."""
+    """Squares, or tags, up the page."""
     square: float = 0.025
-    """Side of a square [m]."""
+    """Side of a square, or of a tag [m]."""
     marker: float = 0.7
     """Side of a marker, as a share of the square's (charuco)."""
     dictionary: str = "5x5_250"
-    """Which markers (charuco)."""
+    """Which markers (charuco, aprilgrid)."""
+    spacing: float = 0.3
+    """Gap between tags, as a share of a tag's side (aprilgrid)."""
 
 
 class LensStartRequest(Message):

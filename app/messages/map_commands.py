@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from app.messages.message import CommandMessage, Metres
+from app.messages.message import CommandMessage, Metres, Radians
 
 
 class StartMapCommand(CommandMessage):
@@ -40,6 +40,21 @@ class ExploreCommand(CommandMessage):
     type: Literal["explore"]
     start: bool = False
     """Whether to begin; without it the command only renews a drive that has begun."""
+
+
+class RouteCommand(CommandMessage):
+    """Drive a robot that explores to a pose: a turn on the spot, straight there, and another turn.
+
+    The exploration gives these by itself; a robot that does not explore stands.
+    """
+
+    type: Literal["route"]
+    x: Metres
+    y: Metres
+    theta: Radians
+    """In the frame of odometry."""
+    turn: Annotated[float, Field(ge=-100, le=100)] = 0.0
+    """On the spot before all else, to the left [rad]; more than one turn is valid."""
 
 
 class FinishMapCommand(CommandMessage):
@@ -101,16 +116,3 @@ class SaveMapCommand(CommandMessage):
     use: bool = False
     """Whether to go on in the new map at once, if it is finished. The robot stands meanwhile, and a
     recording ends."""
-
-
-MapCommand = (
-    StartMapCommand
-    | ExploreCommand
-    | PauseMapCommand
-    | FinishMapCommand
-    | DeleteStrokeCommand
-    | MoveEndCommand
-    | JoinStrokesCommand
-    | DiscardMapCommand
-    | SaveMapCommand
-)

@@ -36,3 +36,9 @@ class CommandMessage(Message):
 
     id: Annotated[int | str | None, AfterValidator(_short)] = None
     """Repeated in the answer."""
+
+    @property
+    def kind(self) -> str:
+        """The word that tells it from other commands: its ``type`` on the wire."""
+        word: str = vars(self)["type"]
+        return word

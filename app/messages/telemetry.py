@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
+
+from pydantic import Field
 
 from app.messages.message import Layer, Message
 from robot.localization.estimate import State
@@ -83,6 +85,8 @@ class RobotMessage(Message):
     connected: bool
     battery_v: float | None
     can_be_placed: bool
+    engine: str | None
+    """Name and version of the physics engine that moves a simulated robot; null: none does."""
     faults: dict[str, float | str]
     """Faults of a simulated robot that it did not have at the start, by their names in
     ``/api/faults``."""
@@ -242,7 +246,8 @@ class TelemetryMessage(Message):
     twist: TwistMessage
     wheels: list[float] | None = None
     """Measured speeds of the left and the right wheel [rad/s]."""
-    mode: Literal["idle", "drive", "figure_eight", "calibrate", "explore"]
+    mode: str
+    """``idle``, ``drive``, ``figure_eight``, ``calibrate``, ``explore``, or a feature's own."""
     driver: DriverMessage
     particles: ParticlesMessage
     scan: ScanMessage
@@ -260,6 +265,11 @@ class TelemetryMessage(Message):
     """Null while no map is drawn."""
     replay: ReplayMessage | None = None
     """Null if this is not a replay."""
+    values: Annotated[
+        dict[str, bool | int | float | str | None] | None,
+        Field(exclude_if=lambda values: values is None),
+    ] = None
+    """Further values, by name; absent without any."""
     hidden_layers: list[Layer] | None = None
     """Layers of the 3D view that are switched off for all viewers; null if there is no 3D view."""
 

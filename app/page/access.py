@@ -92,8 +92,10 @@ class SameOriginOnly:
         if origin is not None and _place(origin) != host.lower():
             return f"Pages of {origin} may not talk to this robot."
         site = headers.get("sec-fetch-site", "none")
-        if site not in ("same-origin", "none") and headers.get("sec-fetch-mode") != "navigate":
-            return "Pages of other sites may not show this robot's pictures."
+        # A link on another site may be followed; in a frame, any page could follow it unseen.
+        followed = (headers.get("sec-fetch-mode"), headers.get("sec-fetch-dest", "document"))
+        if site not in ("same-origin", "none") and followed != ("navigate", "document"):
+            return "Pages of other sites may not show this robot's pages and pictures."
         return None
 
     def _invites(self, scope: Scope) -> bool:

@@ -3,21 +3,25 @@
 from __future__ import annotations
 
 import argparse
+import ipaddress
 import os
 import socket
 import ssl
 import sys
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from app.console import say
+from app.feature import Guest
 from app.page.address import address_of
 from app.page.tokens import Tokens, chosen_tokens
 from robot.settings import SettingError
 
-ACCESS_OPTIONS = ("token", "watch_token", "no_token", "certfile", "keyfile")
+ACCESS_OPTIONS = (
+    "token", "watch_token", "no_token", "allow_code", "certfile", "keyfile", "forwarded_allow_ips",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -42,6 +46,21 @@ class Certificate:
             ) from error
 
 
+@dataclass(frozen=True)
+class Front:
+    """What stands between the clients and the program."""
+
+    certificate: Certificate | None = None
+    """None for plain HTTP."""
+    proxies: tuple[str, ...] = ()
+    """Addresses and networks of proxies that are believed who their clients are."""
+
+    @property
+    def scheme(self) -> str:
+        """``http`` or ``https``."""
+        return "http" if self.certificate is None else "https"
+
+
 def add_access(command: argparse.ArgumentParser) -> None:
     """Add the options."""
     command.add_argument(
@@ -61,6 +80,12 @@ def add_access(command: argparse.ArgumentParser) -> None:
         help="let everybody who reaches the address drive, watch and download",
     )
     command.add_argument(
+        "--allow-code",
+        action="store_true",
+        help="where a token is asked for: let who drives also run Python by the page, which can do "
+        "whatever you can (docs/security.md)",
+    )
+    command.add_argument(
         "--certfile",
         type=Path,
         metavar="FILE.pem",
@@ -72,9 +97,37 @@ def add_access(command: argparse.ArgumentParser) -> None:
         metavar="FILE.pem",
         help="the certificate's private key, if it is in another file",
     )
+    command.add_argument(
+        "--forwarded-allow-ips",
+        metavar="ADDRESSES",
+        help="reverse proxies whose X-Forwarded-For and X-Forwarded-Proto are believed: addresses "
+        "or networks, with commas between (default: none)",
+    )
 
 
-def certificate_of(given: Mapping[str, Any]) -> Certificate | None:
+def front_of(given: Mapping[str, Any]) -> Front:
+    """Return what options by name put between the clients and the program.
+
+    Raises:
+        SettingError: a certificate cannot be used, or a proxy's address is none.
+    """
+    return Front(_certificate(given), _proxies(given.get("forwarded_allow_ips", "")))
+
+
+def _proxies(text: str) -> tuple[str, ...]:
+    proxies = tuple(part.strip() for part in text.split(",") if part.strip())
+    for proxy in proxies:
+        try:
+            ipaddress.ip_network(proxy)
+        except ValueError:
+            raise SettingError(
+                f"--forwarded-allow-ips has {proxy!r}; valid are addresses and networks such as "
+                "127.0.0.1,10.0.0.0/8"
+            ) from None
+    return proxies
+
+
+def _certificate(given: Mapping[str, Any]) -> Certificate | None:
     """Return the certificate that options by name ask for; None for plain HTTP.
 
     Raises:
@@ -107,7 +160,15 @@ def tokens_of(
     if refused and (drive or watch):
         raise SettingError("--no-token and a token contradict each other; choose one")
     address = listening.getsockname()[0]
-    return chosen_tokens(drive, watch, address, os.environ, refused=refused, inviting=inviting)
+    tokens = chosen_tokens(drive, watch, address, os.environ, refused=refused, inviting=inviting)
+    if not given.get("allow_code", False):
+        return tokens
+    if tokens is None or not tokens.required:
+        raise SettingError(
+            "--allow-code has no effect where no token is asked for: there, browsers of this "
+            "computer alone run code; valid is with --token WORD"
+        )
+    return replace(tokens, allow_code=True)
 
 
 def announce(
@@ -115,21 +176,23 @@ def announce(
     tokens: Tokens | None,
     scheme: str,
     *,
-    foxglove: bool = False,
+    guests: Iterable[Guest] = (),
     path: str = "/",
 ) -> None:
-    """Say where the page is, and Foxglove; the last line says that the program is ready.
+    """Say where guests come in and where the page is; then the program is ready.
 
     Args:
         listening: the program's socket.
         tokens: what links need, if they need any.
         scheme: http or https.
-        foxglove: whether Foxglove is served.
+        guests: programs of other sites that may come in.
         path: the page to open first.
     """
     address = address_of(listening, scheme)
-    if foxglove and tokens is not None:
-        say(f"Foxglove opens {address.replace('http', 'ws', 1)}/foxglove?token={tokens.drive}")
+    if tokens is not None:
+        for guest in guests:
+            link = f"{address.replace('http', 'ws', 1)}{guest.path}?token={tokens.drive}"
+            say(f"{guest.name} opens {link}")
     if tokens is not None and tokens.required:
         watching = f"{address}{path}?token={tokens.watch}"
         _show_code(watching)

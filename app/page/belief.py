@@ -50,7 +50,7 @@ def integrity_message(claimed: Integrity) -> IntegrityMessage:
 
 def particles_message(snapshot: Snapshot, extent: Extent) -> ParticlesMessage:
     """Return the cloud, and the hypotheses carried forward to the snapshot's stamp."""
-    cloud, hypotheses = snapshot.cloud, snapshot.hypotheses()
+    cloud, hypotheses = snapshot.filter.cloud, snapshot.hypotheses()
     weights = [weight for _, weight, _ in hypotheses]
     return ParticlesMessage(
         count=len(cloud.weights),
@@ -69,10 +69,10 @@ def particles_message(snapshot: Snapshot, extent: Extent) -> ParticlesMessage:
 
 
 def _effective(snapshot: Snapshot) -> float:
-    if snapshot.hand is not None:
-        return snapshot.hand.effective
+    if snapshot.filter.hand is not None:
+        return snapshot.filter.hand.effective
     estimate = snapshot.estimate
-    return estimate.effective if estimate else float(len(snapshot.cloud.weights))
+    return estimate.effective if estimate else float(len(snapshot.filter.cloud.weights))
 
 
 def alike(state: State, weights: Sequence[float]) -> int:
@@ -87,12 +87,12 @@ def alike(state: State, weights: Sequence[float]) -> int:
 def filter_message(snapshot: Snapshot) -> FilterMessage:
     """Return the state of the filter."""
     return FilterMessage(
-        paused=snapshot.paused,
-        kind=snapshot.parameters.filter.filter,
-        hand=hand_message(snapshot.hand),
-        updates=snapshot.updates,
-        undoable=snapshot.undoable,
-        broken=snapshot.fault,
+        paused=snapshot.filter.paused,
+        kind=snapshot.filter.parameters.filter.filter,
+        hand=hand_message(snapshot.filter.hand),
+        updates=snapshot.filter.updates,
+        undoable=snapshot.filter.undoable,
+        broken=snapshot.filter.fault,
     )
 
 

@@ -112,7 +112,7 @@ async def _until_gone(socket: WebSocket) -> None:
 
 
 def _encoded(snapshot: Snapshot, frame: Frame) -> _Picture:
-    edges, line_scan, scanner = None, snapshot.line_scan, snapshot.scanner
+    edges, line_scan, scanner = None, snapshot.filter.line_scan, snapshot.filter.scanner
     # A picture that came too late was not scanned: the newest scan is that of an older picture.
     if line_scan is not None and scanner is not None and line_scan.scan.stamp == frame.stamp:
         edges = _edges_message(line_scan, scanner)

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from html import escape
 from typing import Any
 
+from app.engine.plugging import plugged
 from app.messages.schema import schema
 
 STYLE = (
@@ -35,7 +36,7 @@ def docs_page(openapi: dict[str, Any]) -> str:
         "<p>The WebSocket <code>/api/lens</code> sends "
         '<a href="#LensStatusMessage">LensStatusMessage</a> and takes the requests to calibrate '
         "the lens.</p>",
-        *(_message(name, model) for name, model in schema()["$defs"].items()),
+        *(_message(name, model) for name, model in schema(plugged().rows)["$defs"].items()),
     ]
     return "\n".join(parts)
 

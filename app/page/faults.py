@@ -1,4 +1,4 @@
-"""What can be wrong with a simulated robot and its camera, for sliders on the page."""
+"""Faults that a simulated robot and its camera can have, for sliders on the page."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from app.engine.program import Program
 from app.messages.answers import FaultsMessage, ParameterMessage
 from app.page.parameters import parameter_message
 from app.settings.conditions import CONDITIONS
-from app.settings.faults import ROBOT, TABLES, condition_faults, fault_values
+from app.settings.faults import TABLES, condition_faults, fault_values
 from robot.settings import describe
 from sim.simulated import SimulatedRobot
 
@@ -23,12 +23,11 @@ def faults_router(program: Program) -> APIRouter:
         robot = program.robot
         if not isinstance(robot, SimulatedRobot):
             return FaultsMessage(faults=[], conditions={})
-        rows = _rows(robot, program)
-        names = {row.name for row in rows}
         presets = {name: condition_faults(name) for name in CONDITIONS}
         return FaultsMessage(
-            faults=rows,
-            conditions={name: preset for name, preset in presets.items() if names >= set(preset)},
+            faults=_rows(robot, program),
+            # A bump happens once in a run, from its start on: no slider has it.
+            conditions={name: preset for name, preset in presets.items() if preset},
         )
 
     return router
@@ -45,5 +44,4 @@ def _rows(robot: SimulatedRobot, program: Program) -> list[ParameterMessage]:
             defaults[name],
         )
         for name, table in TABLES.items()
-        if robot.has_imperfections or name not in ROBOT
     ]

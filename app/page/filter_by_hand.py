@@ -31,9 +31,9 @@ def hand_router(program: Program) -> APIRouter:
     def last_step() -> HandStepMessage:
         """The last step by hand, and what it did to the particles."""
         latest = program.engine.latest.get()
-        if latest is None or latest.hand is None:
+        if latest is None or latest.filter.hand is None:
             raise HTTPException(404, "The filter works by itself.")
-        return hand_step_message(latest.hand, program.field.extent)
+        return hand_step_message(latest.filter.hand, program.field.extent)
 
     return router
 

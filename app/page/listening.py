@@ -5,11 +5,11 @@ from __future__ import annotations
 import contextlib
 import errno
 import os
-import resource
 import socket
 from contextlib import ExitStack
 from typing import Any
 
+from app.operating_system import claim_address, raise_descriptors
 from app.page.room import MOST, Room
 from robot.errors import PortError
 
@@ -19,8 +19,6 @@ SMALL_BUFFER = 16 * 1024
 BACKLOG = 64
 """Most connections that wait to be accepted; asyncio accepts as many at a time."""
 
-MOST_DESCRIPTORS = 4096
-"""The limit of descriptors is raised to this, if the system allows it."""
 OTHERS = 100
 """Descriptors for all else: files, camera, serial port, and connections that are just ending."""
 FEWEST = 16
@@ -42,7 +40,7 @@ def listen(host: str, port: int) -> Listening:
             # part of an answer waits until the first is acknowledged: 40 ms.
             listening = Listening(family, kind, protocol)
             unless_it_listens.callback(listening.close)
-            listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            claim_address(listening)
             listening.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SMALL_BUFFER)
             listening.bind(address)
             listening.listen(BACKLOG)
@@ -59,6 +57,11 @@ def listen(host: str, port: int) -> Listening:
     return listening
 
 
+def most_places() -> int:
+    """Return how many connections there is room for, as the system allows descriptors."""
+    return max(FEWEST, min(MOST, raise_descriptors() - OTHERS))
+
+
 class Listening(socket.socket):
     """A listening socket that never fails to accept: without room, it drops the connection.
 
@@ -68,8 +71,7 @@ class Listening(socket.socket):
 
     def __init__(self, *arguments: int) -> None:
         super().__init__(*arguments)
-        descriptors = raise_descriptors()
-        self.room = Room(max(FEWEST, min(MOST, descriptors - OTHERS)))
+        self.room = Room(most_places())
         self._spare = os.open(os.devnull, os.O_RDONLY)
 
     def accept(self) -> tuple[socket.socket, Any]:
@@ -109,13 +111,3 @@ class Listening(socket.socket):
         spare, self._spare = self._spare, -1
         if spare >= 0:
             os.close(spare)
-
-
-def raise_descriptors() -> int:
-    """Raise the limit of descriptors as far as the system allows; return it."""
-    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
-    most = MOST_DESCRIPTORS if hard == resource.RLIM_INFINITY else min(hard, MOST_DESCRIPTORS)
-    if soft == resource.RLIM_INFINITY or soft >= most:
-        return most if soft == resource.RLIM_INFINITY else soft
-    resource.setrlimit(resource.RLIMIT_NOFILE, (most, hard))
-    return most

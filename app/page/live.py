@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import logging
 import time
 from dataclasses import dataclass
 from functools import partial
@@ -12,8 +13,8 @@ import anyio
 from anyio.abc import TaskGroup
 from starlette.websockets import WebSocket
 
-from app.engine.commands import RULES, check
-from app.engine.drivers import Driver
+from app.engine.commands import check, parse, row_of
+from app.engine.driver import Driver
 from app.engine.mailboxes.slow_lane import SlowLane
 from app.engine.mailboxes.websocket_writer import WebsocketWriter
 from app.engine.program import Program
@@ -23,21 +24,24 @@ from app.messages.commands import (
     AckMessage,
     Command,
     ErrorMessage,
-    PingCommand,
-    ReplayCommand,
-    parse,
+    SetParametersCommand,
 )
 from app.page.outlets import Outlets
 from app.page.telemetry import TelemetryWriter
-from app.page.token_guard import role_in
+from app.page.token_guard import may_run_code, role_in
 from app.page.tokens import Role
-from app.recordings.replay.opening import ReplayProgram
-from robot.errors import BrickPoseError, CommandError
+from robot.errors import BrickPoseError, CommandError, one_line
+
+LOG = logging.getLogger("brickpose")
 
 NOT_MINE, MINE = '"mine":false', '"mine":true'
 """The only places where telemetry differs between viewers."""
 WATCHES = phrase("This link only watches; ask for the link to drive.")
 """Answer to commands of a viewer who only watches."""
+NO_CODE = phrase(
+    "A model of your own is Python: where a token is asked for, the page chooses none, unless "
+    "brickpose is started with --allow-code."
+)
 
 
 class Live:
@@ -89,6 +93,7 @@ class _Viewer:
         self._engine = live.program.engine
         self._socket = socket
         self._role = role_in(socket.scope)
+        self._may_run_code = may_run_code(socket.scope)
         self.driver = Driver.numbered(phrase("page {number}"), socket.client and socket.client.host)
         self._outgoing = WebsocketWriter(socket)
         self._slow_lane = SlowLane()
@@ -111,10 +116,10 @@ class _Viewer:
             text = message.get("text") or ""
             try:
                 command = self._checked(text)
-            except BrickPoseError as error:
+            except Exception as error:
                 answer = _refused(_id_of(text), error)
             else:
-                if RULES[type(command)].slow:
+                if row_of(command).slow:
                     answer_it = partial(self._answer, command)
                     await self._slow_lane.begin(tasks, answer_it, self._outgoing.send)
                     continue
@@ -129,32 +134,19 @@ class _Viewer:
             BrickPoseError: it is none, or it is not allowed; the message says why.
         """
         command = parse(text)
-        if self._role is Role.WATCH and not isinstance(command, PingCommand):
+        if self._role is Role.WATCH and not row_of(command).harmless:
             raise CommandError(WATCHES)
+        if isinstance(command, SetParametersCommand) and not self._may_run_code:
+            check_no_code(command)
         check(command, self._live.program)
         return command
 
     def _answer(self, command: Command) -> str:
         try:
-            self._carry_out(command)
-        except BrickPoseError as error:
+            self._live.outlets.carry_out(self.driver, command)
+        except Exception as error:
             return _refused(command.id, error)
         return AckMessage(id=command.id, stamp=self._robot_time()).model_dump_json()
-
-    def _carry_out(self, command: Command) -> None:
-        """Pass a command to replay, outlets or engine.
-
-        Raises:
-            BrickPoseError: the command cannot be carried out; the message says why.
-        """
-        if isinstance(command, ReplayCommand):
-            program = self._live.program
-            assert isinstance(program, ReplayProgram)  # ``check`` made sure of it
-            program.replay.asked.ask(
-                command.paused, command.speed, command.position_s, command.step
-            )
-        elif not isinstance(command, PingCommand):
-            self._live.outlets.carry_out(self.driver, command)
 
     def _robot_time(self) -> float | None:
         """Return the robot's clock now: the newest stamp plus the time since its publication."""
@@ -162,8 +154,20 @@ class _Viewer:
         return None if latest is None else latest.stamp + time.monotonic() - latest.published
 
 
-def _refused(command_id: int | str | None, error: BrickPoseError) -> str:
-    return ErrorMessage(id=command_id, message=str(error)).model_dump_json()
+def check_no_code(command: SetParametersCommand) -> None:
+    """Raise a CommandError if a change of parameters has a file of Python run."""
+    if any(isinstance(value, str) and ":" in value for value in command.values.values()):
+        raise CommandError(NO_CODE)
+
+
+def _refused(command_id: int | str | None, error: Exception) -> str:
+    """Answer with a refusal, or with what failed in the code that a feature has for the command."""
+    words = str(error)
+    if not isinstance(error, BrickPoseError):
+        LOG.error("a command failed", exc_info=error)
+        why = one_line(words) or "no reason is given"
+        words = f"the command failed: {type(error).__name__}: {why}"
+    return ErrorMessage(id=command_id, message=words).model_dump_json()
 
 
 def _id_of(text: str) -> int | str | None:

@@ -1,212 +1,239 @@
-"""Outputs of the program besides the page: recordings, ROS 2, Foxglove, calibrations, maps."""
+"""What runs as long as a program besides the page, as features add it: recordings, topics, maps."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from datetime import UTC, datetime
-from types import MappingProxyType
-from typing import Any, Protocol
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import ExitStack, suppress
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar, cast
 
-from app.console import say
-from app.engine.drive_calibrator import DriveCalibrator
-from app.engine.drivers import Driver, Drivers
-from app.engine.mapping.map_drawer import MapDrawer
+from app.engine.command_row import Part, Request
+from app.engine.commands import row_of
+from app.engine.driver import Driver
+from app.engine.drivers import Drivers
+from app.engine.plugging import plugged
+from app.engine.problems import LOG
 from app.engine.program import Program
-from app.messages.commands import (
-    CloseRecordingCommand,
-    Command,
-    OpenRecordingCommand,
-    RecordCommand,
-    RunAgainCommand,
-    UseFieldCommand,
-)
-from app.messages.driving_commands import (
-    CalibrateCommand,
-    FinishCalibrationCommand,
-    UndoCalibrationCommand,
-)
-from app.messages.map_commands import (
-    DeleteStrokeCommand,
-    DiscardMapCommand,
-    ExploreCommand,
-    FinishMapCommand,
-    JoinStrokesCommand,
-    MoveEndCommand,
-    PauseMapCommand,
-    SaveMapCommand,
-    StartMapCommand,
-)
+from app.feature import Feature
+from app.languages.marking import phrase
+from app.messages.commands import Command
+from app.page.commands import CHANGES
 from app.page.program_changes import ChangeMap, GoOn, ProgramChanges
-from app.recordings.contents import contents_of
-from app.recordings.recorder import Recorder
-from app.ros2.inbox import Inbox
-from app.ros2.publisher import TopicPublisher
-from app.ros2.source import TopicSource
-from app.ros2.websocket_routes import Foxglove, Rosbridge
+from robot.errors import BrickPoseError, one_line
+
+if TYPE_CHECKING:
+    from fastapi import APIRouter
+
+    from app.engine.snapshot import Snapshot
+    from app.page.view.scene import NewViewLayer
 
 
-class LiveRoute(Protocol):
-    """An output that runs as long as the program."""
-
-    @property
-    def failure(self) -> str | None:
-        """The current problem of the output; None without one."""
-        ...
-
-    def start(self) -> None:
-        """Start; an error says why it cannot."""
-        ...
+class Closable(Protocol):
+    """What has an end."""
 
     def close(self) -> None:
-        """End the output; may be called twice."""
+        """End it; may be called twice."""
         ...
+
+
+MEMBERS = frozenset({"recording", "calibration", "mapping", "replay"})
+"""Members of ``TelemetryMessage`` that outlets fill; what is new is a ``Value``."""
+T = TypeVar("T")
+C = TypeVar("C", bound=Closable)
+
+
+class Outlet:
+    """What a feature runs as long as a program; it overrides what it needs."""
+
+    @property
+    def parts(self) -> Mapping[str, object]:
+        """What carries out the feature's commands, by the names of their ``Part``."""
+        return {}
+
+    @property
+    def failures(self) -> Iterable[str]:
+        """The current problems, for people."""
+        return ()
+
+    @property
+    def handed_on(self) -> object:
+        """What the outlet of the next program has to know; ``Program.handed_on`` has it there."""
+        return None
+
+    def routers(self) -> Iterable[APIRouter]:
+        """Return routes for the page's server."""
+        return ()
+
+    def telemetry(self, snapshot: Snapshot) -> Mapping[str, Any]:
+        """Return members of ``TelemetryMessage`` for a tick, of those that outlets fill."""
+        return {}
+
+    def view_layers(self) -> Iterable[NewViewLayer]:
+        """Return what makes layers of the 3D view."""
+        return ()
+
+    def require_endable(self) -> None:
+        """Raise a CommandError if something would be lost, were the program to end for another."""
+
+    def start(self) -> None:
+        """Start what the settings ask for.
+
+        Raises:
+            BrickPoseError: it is not available; the message says what to do.
+        """
+
+    def close(self) -> None:
+        """End it; may be called twice."""
 
 
 class Outlets:
-    """All outputs of one program; the settings say which of them run."""
+    """The outlets of one program, and what carries out its commands."""
 
     def __init__(
-        self, program: Program, change_map: ChangeMap | None = None, go_on: GoOn | None = None
+        self,
+        program: Program,
+        change_map: ChangeMap | None = None,
+        go_on: GoOn | None = None,
     ) -> None:
-        """Prepare the outputs of a program.
+        """Prepare the outlets of a program.
 
         Args:
             program: the program.
             change_map: switches to the map of another program.
             go_on: switches to another program, with another robot.
         """
-        config = program.config
+        self.program = program
         self.drivers = Drivers.of(program)
-        self.calibrator = DriveCalibrator(program, lambda: datetime.now(UTC))
-        self.mapping = MapDrawer(program)
-        self.publisher = TopicPublisher(TopicSource.of(program), program.engine.every)
-        self.inbox = Inbox(program, self.publisher.source, self.drivers, self.carry_out)
-        self.recorder = Recorder(
-            self.publisher, config.recording, lambda: contents_of(program), datetime.now
-        )
         self.changes = ProgramChanges(
-            program, self.drivers, self.mapping, self.recorder, change_map, go_on
+            program, self.drivers, self._require_endable, change_map, go_on
         )
-        self.rosbridge = Rosbridge(self.publisher, self.inbox)
-        self.foxglove = Foxglove(self.publisher, self.inbox, config.ros2)
-        self._record = config.recording.record
-        self._routes = tuple(self._live_routes(program))
+        self._parts: dict[str, object] = {CHANGES.name: self.changes}
+        self._shared: list[Closable] = []
+        self._outlets: dict[str, Outlet] = {}
+        """By the names of their features."""
+        _, self._broken = plugged().features.made(self._add)
 
-    def _live_routes(self, program: Program) -> Iterator[LiveRoute]:
-        settings, host = program.config.ros2, program.config.host
-        if settings.dds:
-            from app.ros2.dds.route import DdsRoute  # noqa: PLC0415
+    def _add(self, feature: Feature) -> tuple[()]:
+        if feature.outlet is None:
+            return ()
+        outlet = feature.outlet(self)
+        for name in outlet.parts:
+            if name in self._parts:
+                raise ValueError(f"there is a part {name!r} already")
+        self._parts.update(outlet.parts)
+        self._outlets[feature.name] = outlet
+        return ()
 
-            yield DdsRoute(self.publisher, self.inbox, settings, host)
+    def shared(self, part: Part[C], make: Callable[[], C]) -> C:
+        """Return a part that several features use: the first to ask makes it, and it ends last."""
+        if part.name not in self._parts:
+            made = make()
+            self._parts[part.name] = made
+            self._shared.append(made)
+        return cast(C, self._parts[part.name])
+
+    def part(self, part: Part[T]) -> T | None:
+        """Return a part of the program; None if the feature that has it does not take part."""
+        return cast("T | None", self._parts.get(part.name))
 
     def start(self) -> None:
-        """Start all outputs that the settings ask for.
+        """Start all outlets.
 
         Raises:
-            BrickPoseError: an output is not available; the message says what to do.
+            BrickPoseError: what the settings ask for is not available; the message says what to do.
         """
         try:
-            for route in self._routes:
-                route.start()
-            if self._record:
-                say(f"Recording to {self.recorder.start()}")
+            self._of_each(_started, refusals=(BrickPoseError,))
         except Exception:
             self.close()
             raise
 
     def carry_out(self, driver: Driver, command: Command) -> None:
-        """Carry out a checked command, or pass it on to the engine.
+        """Carry out a checked command of a client.
 
         Raises:
             BrickPoseError: the command cannot be carried out; the message says why.
         """
-        act = ACTS.get(type(command))
-        if act is None:
-            self.drivers.put(driver, command)
-        else:
-            act(self, driver, command)
-
-    def record(self, enabled: bool) -> None:
-        """Start a recording, or end the running one.
-
-        Raises:
-            RecordingError: a recording is running already, or cannot be written.
-        """
-        if enabled:
-            self.recorder.start()
-        else:
-            self.recorder.stop()
-
-    def calibrate(self, driver: Driver, command: CalibrateCommand) -> None:
-        """Start the drive that calibrates the robot.
-
-        Raises:
-            CommandError: somebody else drives, or the last drive is not adjusted yet.
-        """
-        if command.start:
-            self.calibrator.require_collected()
-        self.drivers.put(driver, command)
-        if command.start:
-            self.calibrator.begin()
-
-    def explore(self, driver: Driver, command: ExploreCommand) -> None:
-        """Let the robot explore what the map lacks; begin a map if there is none.
-
-        Raises:
-            CommandError: somebody else drives, or the map is finished.
-        """
-        if command.start:
-            self.drivers.require_free(driver)
-            self.mapping.explore()
-        self.drivers.put(driver, command)
+        row_of(command).act(Request(command, driver, self.drivers, self._parts))
 
     @property
     def failures(self) -> list[str]:
         """The current problems, in words."""
-        given = [route.failure for route in self._routes]
-        return [words for words in (*given, self.publisher.failure) if words is not None]
+        present = self._of_each(lambda outlet: outlet.failures)
+        return [*self._broken, *present]
+
+    def handed_on(self) -> dict[str, object]:
+        """Return what the outlets of the next program have to know, by the features' names."""
+        return {name: outlet.handed_on for name, outlet in self._outlets.items()}
+
+    def routers(self) -> list[APIRouter]:
+        """Return routes for the page's server."""
+        return self._of_each(lambda outlet: outlet.routers())
+
+    def telemetry(self, snapshot: Snapshot) -> dict[str, Any]:
+        """Return members of ``TelemetryMessage`` for a tick."""
+        return dict(self._of_each(lambda outlet: _members(outlet.telemetry(snapshot))))
+
+    def view_layers(self) -> list[NewViewLayer]:
+        """Return what makes layers of the 3D view."""
+        return self._of_each(lambda outlet: outlet.view_layers())
+
+    def _require_endable(self) -> None:
+        for outlet in self._outlets.values():
+            outlet.require_endable()
+
+    def _of_each(
+        self,
+        read: Callable[[Outlet], Iterable[T]],
+        refusals: tuple[type[Exception], ...] = (),
+    ) -> list[T]:
+        """Collect from all outlets; a feature that fails is named, and asked no more.
+
+        Refusals are raised instead: they tell what was asked for and cannot be had.
+        """
+        collected: list[T] = []
+        for name, outlet in tuple(self._outlets.items()):
+            try:
+                collected += read(outlet)
+            except refusals:
+                raise
+            except Exception as error:
+                LOG.exception("the feature %s failed", name)
+                self._broken.append(_failure(name, error))
+                self._outlets.pop(name, None)
+                self._take_away(outlet)
+                outlet.close()
+        return collected
+
+    def _take_away(self, outlet: Outlet) -> None:
+        """Let commands find no part of an outlet that has failed, and may fail in this, too."""
+        with suppress(Exception):
+            for name in outlet.parts:
+                self._parts.pop(name, None)
 
     def close(self) -> None:
-        """End all outputs, and wait until the recording is written; may be called twice."""
-        self.calibrator.close()
-        self.mapping.close()
-        self.recorder.close()
-        for route in self._routes:
-            route.close()
-        self.publisher.close()
+        """End all outlets, and wait until a recording is written; may be called twice."""
+        # The last callback is called first; each is, whatever the others raise.
+        with ExitStack() as stack:
+            for part in (*self._shared, *reversed(self._outlets.values())):
+                stack.callback(part.close)
 
 
-ACTS: Mapping[type[Command], Callable[[Outlets, Driver, Any], None]] = MappingProxyType(
-    {
-        OpenRecordingCommand: lambda outlets, driver, command: outlets.changes.open_recording(
-            driver, command.name
-        ),
-        RunAgainCommand: lambda outlets, driver, _: outlets.changes.run_again(driver),
-        CloseRecordingCommand: lambda outlets, *_: outlets.changes.close_recording(),
-        RecordCommand: lambda outlets, _, command: outlets.record(command.on),
-        CalibrateCommand: lambda outlets, driver, command: outlets.calibrate(driver, command),
-        FinishCalibrationCommand: lambda outlets, *_: outlets.calibrator.finish(),
-        UndoCalibrationCommand: lambda outlets, *_: outlets.calibrator.undo(),
-        StartMapCommand: lambda outlets, _, command: outlets.mapping.begin(
-            discard=command.discard, paused=command.paused
-        ),
-        PauseMapCommand: lambda outlets, _, command: outlets.mapping.pause(command.paused),
-        FinishMapCommand: lambda outlets, *_: outlets.mapping.finish(),
-        DeleteStrokeCommand: lambda outlets, _, command: outlets.mapping.delete_stroke(
-            command.stroke, command.version
-        ),
-        MoveEndCommand: lambda outlets, _, command: outlets.mapping.move_end(
-            command.stroke, command.last, (command.x, command.y), command.version
-        ),
-        JoinStrokesCommand: lambda outlets, _, command: outlets.mapping.join_strokes(
-            command.stroke, command.other, command.version
-        ),
-        ExploreCommand: lambda outlets, driver, command: outlets.explore(driver, command),
-        DiscardMapCommand: lambda outlets, *_: outlets.mapping.discard(),
-        SaveMapCommand: lambda outlets, driver, command: outlets.changes.save_map(driver, command),
-        UseFieldCommand: lambda outlets, driver, command: outlets.changes.use_field(
-            driver, command
-        ),
-    }
-)
-"""Return what carries out each command that is not for the engine."""
+def _members(telemetry: Mapping[str, Any]) -> Iterable[tuple[str, Any]]:
+    """Return what an outlet tells, if telemetry has a place for it.
+
+    Raises:
+        ValueError: it has none, or one that the core fills.
+    """
+    for name in telemetry.keys() - MEMBERS:
+        raise ValueError(f"telemetry takes no {name!r}; valid are {', '.join(sorted(MEMBERS))}")
+    return telemetry.items()
+
+
+def _started(outlet: Outlet) -> tuple[()]:
+    outlet.start()
+    return ()
+
+
+def _failure(name: str, error: Exception) -> str:
+    why = one_line(str(error)) or "no reason is given"
+    return phrase(f"The feature {name} has failed: {type(error).__name__}: {why}.")

@@ -17,7 +17,16 @@ SHARE = 4
 """An address other than loopback gets at most one in this number of places."""
 
 
-class Connection(Protocol):
+def places_to_watch(most: int) -> int:
+    """Return how many of the places those get who only watch: others find one all the same."""
+    return _open_to_all(most) * 3 // 4
+
+
+def _open_to_all(most: int) -> int:
+    return most - min(RESERVE, most // SHARE)
+
+
+class AcceptedSocket(Protocol):
     """An accepted socket."""
 
     def fileno(self) -> int:
@@ -31,7 +40,7 @@ class Connection(Protocol):
 
 @dataclass
 class _Guest:
-    connection: Connection
+    connection: AcceptedSocket
     address: str
     silent: bool = True
     """Whether it has no open request: none came yet, or all are answered."""
@@ -48,7 +57,7 @@ class Room:
         self.most = most
         self._guests: dict[int, _Guest] = {}
 
-    def admit(self, connection: Connection, address: str) -> bool:
+    def admit(self, connection: AcceptedSocket, address: str) -> bool:
         """Give a connection a place; return False if there is none."""
         self._forget_closed()
         local = _is_local(address)
@@ -72,7 +81,7 @@ class Room:
         """Whether connections with an open request take all places but the reserve."""
         self._forget_closed()
         busy = sum(not guest.silent for guest in self._guests.values())
-        return busy >= self.most - min(RESERVE, self.most // SHARE)
+        return busy >= _open_to_all(self.most)
 
     def release(self) -> bool:
         """Close the connection that has been silent for longest; return False if there is none."""

@@ -5,29 +5,28 @@ from __future__ import annotations
 import asyncio
 import socket
 import sys
-from collections.abc import Callable, Generator, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 
 import uvicorn
 from anyio import from_thread
-from fastapi import APIRouter
 
 from app.console import say
 from app.engine.build import build_on_field, build_on_map
 from app.engine.engine_thread import EngineThread
-from app.engine.problems import CLIENTS_LOG
+from app.engine.plugging import plugged
 from app.engine.program import Program
 from app.interruption import Interrupted, deferred
-from app.page.access_options import Certificate
-from app.page.http_door import http_door
-from app.page.listening import BACKLOG, Listening, listen
-from app.page.log_limit import limit_logs
+from app.page.access_options import Front
+from app.page.listening import Listening, listen
 from app.page.outlets import Outlets
 from app.page.server import create_app
 from app.page.tokens import Tokens
+from app.page.web_server import LeavesSignals, settings_of
 from robot.errors import CommandError
+from robot.fields.field import Field
 from robot.localization.estimate import Hypothesis
 from sim.real_time import RealTime
 
@@ -45,48 +44,35 @@ class Server:
         self,
         program: Program,
         tokens: Tokens | None = None,
-        certificate: Certificate | None = None,
-        routers: Sequence[APIRouter] = (),
+        front: Front = Front(),
     ) -> None:
         """Prepare to serve; requests need one of the tokens, if there are any."""
+        features = plugged().features
         self.successor: Callable[[], Program] | None = None
         """Builds the next program; None ends the server."""
+        routers, failures = features.routers(program)
+        program = replace(program, complaints=(*features.failures, *failures))
         self._program = program
         self._engine = program.engine
         self._thread = EngineThread(program.engine, program.loop)
-        self._outlets = Outlets(program, None if program.loop else self._change_map, self._go_on)
-        config = uvicorn.Config(
-            create_app(program, self._thread, self._outlets, tokens, routers),
-            ssl_certfile=certificate.certfile if certificate else None,
-            ssl_keyfile=certificate.keyfile if certificate else None,
-            log_level="warning",
-            loop="asyncio",  # another's would not ask our socket whom to accept
-            backlog=BACKLOG,
-            ws="websockets-sansio",
-            # Compressing arrays of particles costs ten times as much as the rest, and saves little.
-            ws_per_message_deflate=False,
-            ws_max_size=2 * 1024 * 1024,
-            ws_ping_interval=5,
-            ws_ping_timeout=5,
-            timeout_graceful_shutdown=1,
-        )
-        self._uvicorn = _StopsTheRobotFirst(config, self._thread)
+        change_map = None if program.loop else self._change_map
+        self._outlets = Outlets(program, change_map, self._go_on)
+        app = create_app(program, self._thread, self._outlets, tokens, routers, features.documents)
+        self._uvicorn = _StopsTheRobotFirst(settings_of(app, front), self._thread)
 
     def run(self, listening: Listening) -> None:
         """Serve until stopped."""
         sys.setswitchinterval(HAND_OVER_S)
-        limit_logs("uvicorn.error", "asyncio", CLIENTS_LOG.name)
-        self._uvicorn.config.http = http_door(listening.room)
         self._outlets.start()
         try:
-            self._uvicorn.run(sockets=[listening])
+            self._uvicorn.serve_on(listening)
         finally:
             self._thread.stopping.set()
             self._outlets.close()
 
-    def _change_map(self, name: str, place: Hypothesis | None) -> None:
+    def _change_map(self, name: str, field: Field, place: Hypothesis | None) -> None:
         """Switch to another map soon; called in a worker thread of the event loop."""
-        following = partial(_successor, self._program, name, place)
+        following = partial(_successor, self._program, name, field, place)
         from_thread.run_sync(partial(self._end_soon, following, hand_over=True))
 
     def _go_on(self, following: Callable[[], Program]) -> None:
@@ -112,6 +98,11 @@ class Server:
         """Whether a stop holds."""
         return self._outlets.drivers.state.stopped
 
+    @property
+    def handed_on(self) -> Mapping[str, object]:
+        """What features have to know of this program in the next one, by their names."""
+        return self._outlets.handed_on()
+
     def stop(self) -> None:
         """Ask the server to end, from any thread or from a signal handler.
 
@@ -124,9 +115,8 @@ def serve(
     program: Program,
     listening: Listening,
     tokens: Tokens | None = None,
-    certificate: Certificate | None = None,
+    front: Front = Front(),
     announce: Callable[[], object] = lambda: None,
-    routers: Sequence[APIRouter] = (),
 ) -> Program | None:
     """Serve until SIGINT or SIGTERM; then stop the motors first, and disconnect viewers next.
 
@@ -136,18 +126,19 @@ def serve(
         program: the program to serve.
         listening: the listening socket.
         tokens: requests need one of them, if there are any.
-        certificate: for HTTPS.
+        front: what stands before it.
         announce: prints the address; from then on, a signal is the usual end of the program.
-        routers: routes of other rooms of the program.
     """
     following: Program | None = None
     try:
-        server = Server(program, tokens, certificate, routers)
+        server = Server(program, tokens, front)
         with suppress(Interrupted), deferred(server.stop) as asked:
             announce()
             server.run(listening)
             if server.successor is not None and not asked():
-                following = replace(server.successor(), stopped=server.stopped)
+                following = replace(
+                    server.successor(), stopped=server.stopped, handed_on=server.handed_on
+                )
     finally:
         if following is None:
             # The engine has closed the robot already, unless it never started or handed it over.
@@ -155,18 +146,17 @@ def serve(
     return following
 
 
-def _successor(program: Program, name: str, place: Hypothesis | None) -> Program:
+def _successor(program: Program, name: str, field: Field, place: Hypothesis | None) -> Program:
     if place is None:
-        return build_on_field(program, name, RealTime())
-    return build_on_map(program, name, place)
+        return build_on_field(program, name, field, RealTime())
+    return build_on_map(program, name, field, place)
 
 
 def serve_on(
     program: Program,
     port: int,
     tokens: Tokens | None = None,
-    certificate: Certificate | None = None,
-    routers: Sequence[APIRouter] = (),
+    front: Front = Front(),
 ) -> None:
     """Serve one program after the other at the same address, as the page asks for them."""
     following: Program | None = program
@@ -174,18 +164,13 @@ def serve_on(
         with listen(following.config.host, port) as listening:
             words = f"It goes on with {following.robot.name}, on {following.field.name}"
             ready = partial(say, words)
-            following = serve(following, listening, tokens, certificate, ready, routers)
+            following = serve(following, listening, tokens, front, ready)
 
 
-class _StopsTheRobotFirst(uvicorn.Server):
+class _StopsTheRobotFirst(LeavesSignals):
     def __init__(self, config: uvicorn.Config, thread: EngineThread) -> None:
         super().__init__(config)
         self._thread = thread
-
-    @contextmanager
-    def capture_signals(self) -> Generator[None, None, None]:
-        """Leave signals to ``serve``; ``shutdown`` follows within a tenth of a second."""
-        yield
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         self._thread.stopping.set()

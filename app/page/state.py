@@ -67,10 +67,10 @@ def state_router(
     def problems() -> ProblemsMessage:
         """What went wrong since the start."""
         latest = engine.latest.get()
-        record = latest.record if latest else ()
+        record = latest.problems.record if latest else ()
         return ProblemsMessage(
             problems=[ProblemMessage(stamp=p.stamp, message=p.message) for p in record],
-            trace=latest.trace if latest else "",
+            trace=latest.filter.trace if latest else "",
         )
 
     @router.websocket("/api/live")
@@ -98,7 +98,7 @@ def _health(
         where = running(thread.ident)
         return "degraded", phrase(f"No tick for {silent:.1f} s.") + (f" {where}" if where else "")
     failures = [follower.failure for follower in followers if follower.failure]
-    problems = [*latest.problems, *failures, *outlets.failures]
+    problems = [*latest.problems.present, *program.complaints, *failures, *outlets.failures]
     if problems:
         return "degraded", " ".join(problems)
     return "ok", "All is well."

@@ -1,4 +1,4 @@
-"""Turns a snapshot into the messages that describe it."""
+"""Telemetry: turns a snapshot into the messages that describe it."""
 
 from __future__ import annotations
 
@@ -6,14 +6,15 @@ import dataclasses
 import math
 
 from app.engine.drivers import DriveState
+from app.engine.plugging import plugged
 from app.engine.program import Program
-from app.engine.snapshot import LAYERS, ReplayState, Snapshot
+from app.engine.snapshot import LAYERS, Snapshot
+from app.engine.values import listed, value_failures
 from app.messages.answers import FieldMessage
 from app.messages.telemetry import (
     DriverMessage,
     LoopMessage,
     PoseMessage,
-    ReplayMessage,
     RobotMessage,
     ScanMessage,
     TelemetryMessage,
@@ -25,16 +26,14 @@ from app.page.belief import (
     integrity_message,
     particles_message,
 )
-from app.page.calibration import drive_message
-from app.page.mapping import mapping_message
 from app.page.outlets import Outlets
 from app.page.thresholds import LONGEST_STEP_M, STALE_S
 from app.page.view.cameras import home
-from app.recordings.replay.opening import ReplayProgram
 from app.settings.faults import changed_faults
 from robot.geometry import Array, Pose2
-from robot.interface import RepositionableRobot
+from robot.interface import PhysicalRobot, RepositionableRobot, Robot
 from robot.scanning.line_scanner import LineScan
+from sim.engines import engine_is_here
 from sim.simulated import SimulatedRobot
 
 
@@ -45,8 +44,10 @@ class TelemetryWriter:
         self._field = program.field
         self._robot = program.robot
         self._sim = program.config.sim
+        robot = program.robot
+        self._engine = robot.engine if isinstance(robot, PhysicalRobot) else None
         self._outlets = outlets
-        self._robot_waits = isinstance(program, ReplayProgram) and program.before is not None
+        self._complaints = program.complaints
 
     def message(self, snapshot: Snapshot) -> TelemetryMessage:
         """Return the telemetry of one tick."""
@@ -68,18 +69,22 @@ class TelemetryWriter:
                 connected=snapshot.connected,
                 battery_v=snapshot.battery_v,
                 can_be_placed=isinstance(self._robot, RepositionableRobot),
+                engine=self._engine,
                 faults=self._faults(),
                 calibrated=snapshot.calibrated if math.isfinite(snapshot.calibrated) else None,
             ),
             loop=LoopMessage(**dataclasses.asdict(snapshot.loop)),
             filter=filter_message(snapshot),
-            problems=[*snapshot.problems, *self._outlets.failures],
-            error_count=snapshot.problem_count,
-            recording=self._outlets.recorder.status,
-            calibration=drive_message(self._outlets.calibrator.drive, snapshot.stamp),
-            mapping=mapping_message(self._outlets.mapping.drawing, snapshot),
-            replay=_replay_message(snapshot.replay, robot_waits=self._robot_waits),
+            values=listed(snapshot),  # before problems, which say what could not be read
+            problems=[
+                *snapshot.problems.present,
+                *self._complaints,
+                *self._outlets.failures,
+                *value_failures(),
+            ],
+            error_count=snapshot.problems.count,
             hidden_layers=sorted(LAYERS - snapshot.layers),
+            **self._outlets.telemetry(snapshot),
         )
 
     def _faults(self) -> dict[str, float | str]:
@@ -90,10 +95,10 @@ class TelemetryWriter:
 
 
 def _scan_message(snapshot: Snapshot) -> ScanMessage:
-    line_scan = snapshot.line_scan
+    line_scan = snapshot.filter.line_scan
     if line_scan is None:
-        assert snapshot.scanner is not None  # a program that is served has a scanner
-        table = snapshot.scanner.table
+        assert snapshot.filter.scanner is not None  # a program that is served has a scanner
+        table = snapshot.filter.scanner.table
         return ScanMessage(
             stamp=0.0,
             bearings=_rounded(table.bearings, 5),
@@ -124,21 +129,6 @@ def driver_message(state: DriveState) -> DriverMessage:
     return DriverMessage(name=name, mine=False, stopped=state.stopped)
 
 
-def _replay_message(state: ReplayState | None, *, robot_waits: bool) -> ReplayMessage | None:
-    if state is None:
-        return None
-    return ReplayMessage(
-        file=state.file,
-        position_s=state.position_s,
-        duration_s=state.duration_s,
-        speed=state.speed,
-        paused=state.paused,
-        catching_up=state.catching_up,
-        estimate_then=pose_message(state.estimate_then),
-        robot_waits=robot_waits,
-    )
-
-
 def pose_message(pose: Pose2 | None) -> PoseMessage | None:
     """Return a pose as a message; None stays None."""
     return None if pose is None else PoseMessage(x=pose.x, y=pose.y, theta=pose.theta)
@@ -146,9 +136,7 @@ def pose_message(pose: Pose2 | None) -> PoseMessage | None:
 
 def field_message(program: Program) -> FieldMessage:
     """Return the message that a page gets first, and again after a calibration."""
-    latest, controls = program.engine.latest.get(), program.engine.controls
-    field, spec = program.field, latest.spec if latest else controls.spec
-    scanner = (latest and latest.scanner) or controls.localization.scanner
+    field, spec, scanner = program.field, program.engine.spec, program.engine.scanner
     drive, initial = program.config.drive, program.config.localization.filter
     lines = scanner.table.lines(9).round(1).tolist()
     view_home = home(field.floor.extent).round(3).tolist()
@@ -160,6 +148,7 @@ def field_message(program: Program) -> FieldMessage:
         start=PoseMessage(x=field.start.x, y=field.start.y, theta=field.start.theta),
         robot_outline=[(x, y) for x, y in spec.outline.round(4).tolist()],
         robot_measured=spec.measured,
+        engine_missing=_engine_missing(program.robot),
         max_v=drive.max_velocity,
         max_omega=drive.max_angular_velocity,
         drive_timeout=drive.cmd_vel_timeout,
@@ -171,7 +160,12 @@ def field_message(program: Program) -> FieldMessage:
         image_height=spec.lens.height,
         tape_width=scanner.main_width,
         rays_px=[[(u, v) for u, v in line] for line in lines],
+        features=[feature.name for feature in plugged().features.active],
     )
+
+
+def _engine_missing(robot: Robot) -> bool:
+    return isinstance(robot, SimulatedRobot) and robot.engine is None and not engine_is_here()
 
 
 def _rounded(values: Array, digits: int) -> list[float]:

@@ -31,6 +31,15 @@ NO_TOKEN = (
 )
 
 
+CODE = "brickpose.code"
+NO_PLACE = "All places for those who only watch are taken."
+
+
+def may_run_code(scope: Scope) -> bool:
+    """Whether a request may have Python run that it brings or names; without tokens, any may."""
+    return bool(scope.get(CODE, True))
+
+
 def role_in(scope: Scope) -> Role:
     """Return what a request may do; without tokens, everything."""
     role: Role = scope.get("brickpose.role", Role.DRIVE)
@@ -45,9 +54,23 @@ class TokenRequired:
     """
 
     def __init__(
-        self, app: ASGIApp, tokens: Tokens, clock: Callable[[], float] = time.monotonic
+        self,
+        app: ASGIApp,
+        tokens: Tokens,
+        clock: Callable[[], float] = time.monotonic,
+        most_watching: int = 1000,
     ) -> None:
+        """Guard an application.
+
+        Args:
+            app: the application to guard.
+            tokens: what a request has to bring.
+            clock: gives the time [s].
+            most_watching: places for requests and sockets that only watch: others stay free.
+        """
         self._app = app
+        self._most_watching = most_watching
+        self._watching = 0
         self._tokens = tokens
         self._clock = clock
         self._guessing = Guessing()
@@ -63,36 +86,44 @@ class TokenRequired:
         if refusal is not None:
             await _refuse(refusal, scope, receive, send)
             return
+        if role is Role.WATCH and self._watching >= self._most_watching:
+            await _refuse(PlainTextResponse(NO_PLACE, 503), scope, receive, send)
+            return
         offered = scope.get("subprotocols", [])
         scope["brickpose.role"] = role
+        scope[CODE] = self._tokens.allow_code and role is Role.DRIVE and not is_guest(scope)
         scope["subprotocols"] = [name for name in offered if not name.startswith(SUBPROTOCOL)]
         link = request.query_params.get("token", "")
-        cookie = _cookie(request, link) if self._tokens.role_of(link) is not None else None
-        await self._app(scope, receive, _Sender(cookie, offered, send))
+        allowed = self._tokens.role_of(link)
+        cookie = None if allowed is None else _cookie(request, link, allowed)
+        self._watching += role is Role.WATCH
+        try:
+            await self._app(scope, receive, _Sender(cookie, offered, send))
+        finally:
+            self._watching -= role is Role.WATCH
 
     def _judge(self, request: HTTPConnection) -> tuple[Response | None, Role]:
         """Return an answer to refuse the request with, if need be; and what it may do."""
-        address = request.client.host if request.client else ""
-        if is_guest(request.scope):
-            # Any page in a browser may guess: the user of that browser must not have to wait.
-            address = f"guest at {address}"
-        stamp = self._clock()
         tokens = list(_tokens_of(request))
-        wait = self._guessing.wait(address, stamp) if tokens else 0.0
-        if wait > 0:
-            text = f"Too many wrong tokens; try again in {wait:.0f} s."
-            headers = {"Retry-After": f"{wait + 1:.0f}"}
-            return PlainTextResponse(text, 429, headers), Role.WATCH
         role = next((role for t in tokens if (role := self._tokens.role_of(t)) is not None), None)
         if role is None:
-            if tokens:
-                self._guessing.wrong(address, tokens[0], stamp)
-            return _no_token(request), Role.WATCH
-        self._guessing.right(address)
+            return self._refusal(request, tokens), Role.WATCH
         reads = request.scope.get("method", "GET") in READING
         if role is Role.WATCH and not reads and not request.url.path.startswith(LOOKING):
             return PlainTextResponse("This token only watches.", 403), role
         return None, role
+
+    def _refusal(self, request: HTTPConnection, tokens: list[str]) -> Response:
+        """Refuse a request without a right token; wrong ones make their sender wait."""
+        if not tokens:
+            return _no_token(request)
+        stamp, sender = self._clock(), _sender(request)
+        wait = self._guessing.wait(sender, stamp)
+        if wait > 0:
+            text = f"Too many wrong tokens; try again in {wait:.0f} s."
+            return PlainTextResponse(text, 429, {"Retry-After": f"{wait + 1:.0f}"})
+        self._guessing.wrong(sender, tokens[0], stamp)
+        return _no_token(request)
 
 
 class _Sender:
@@ -122,20 +153,32 @@ def _tokens_of(request: HTTPConnection) -> Iterator[str]:
     for name in request.scope.get("subprotocols", []):
         if name.startswith(SUBPROTOCOL):
             yield name.removeprefix(SUBPROTOCOL)
-    cookie = request.cookies.get(_cookie_name(request))
     # A guest's browser would send our page's cookie along, which says nothing of the guest.
-    if cookie is not None and not is_guest(request.scope):
-        yield cookie
+    if not is_guest(request.scope):
+        for role in (Role.DRIVE, Role.WATCH):
+            cookie = request.cookies.get(_cookie_name(request, role))
+            if cookie is not None:
+                yield cookie
 
 
-def _cookie_name(request: HTTPConnection) -> str:
-    # Browsers share cookies among the ports of a host, where other robots may be served.
-    return f"brickpose-{(request.scope.get('server') or ('', 0))[1]}"
+def _sender(request: HTTPConnection) -> str:
+    """Return who has to wait for a wrong token."""
+    address = request.client.host if request.client else ""
+    elsewhere = request.headers.get("sec-fetch-site", "none") not in ("same-origin", "none")
+    # Any page in a browser may guess: the user of that browser must not have to wait.
+    return f"a page at {address}" if elsewhere or is_guest(request.scope) else address
 
 
-def _cookie(request: HTTPConnection, token: str) -> str:
+def _cookie_name(request: HTTPConnection, role: Role) -> str:
+    # Browsers share cookies among the ports of a host, where other robots may be served. Whoever
+    # follows a link to watch keeps the cookie to drive: anybody may send such a link.
+    port = (request.scope.get("server") or ("", 0))[1]
+    return f"brickpose-{port}-watch" if role is Role.WATCH else f"brickpose-{port}"
+
+
+def _cookie(request: HTTPConnection, token: str, role: Role) -> str:
     secure = "; Secure" if request.url.scheme in ("https", "wss") else ""
-    return f"{_cookie_name(request)}={token}; HttpOnly; SameSite=Strict; Path=/{secure}"
+    return f"{_cookie_name(request, role)}={token}; HttpOnly; SameSite=Strict; Path=/{secure}"
 
 
 def _no_token(request: HTTPConnection) -> Response:

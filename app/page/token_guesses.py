@@ -1,4 +1,4 @@
-"""Makes whoever guesses tokens wait."""
+"""Makes whoever guesses tokens wait for the next guess; a right token is never asked to."""
 
 from __future__ import annotations
 
@@ -46,7 +46,3 @@ class Guessing:
         self._guesses[address] = guesses
         if len(self._guesses) > MOST_ADDRESSES:
             self._guesses.popitem(last=False)
-
-    def right(self, address: str) -> None:
-        """Forget the wrong tokens of an address."""
-        self._guesses.pop(address, None)

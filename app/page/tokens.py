@@ -39,6 +39,8 @@ class Tokens:
     watch: str
     required: bool = True
     """False: only pages of other origins need one, where they may come in at all."""
+    allow_code: bool = False
+    """Whether the token to drive also runs Python by the page."""
 
     def __post_init__(self) -> None:
         for token in (self.drive, self.watch):

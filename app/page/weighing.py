@@ -1,4 +1,4 @@
-"""What the page asks of single particles, of the likelihood all over the field, and by hand."""
+"""Weighing for the page: single particles, the likelihood all over the field, and by hand."""
 
 from __future__ import annotations
 
@@ -72,9 +72,9 @@ def weighing_router(program: Program) -> APIRouter:
 def _newest(program: Program) -> tuple[Snapshot, Weighing]:
     """Return the newest snapshot, and how particles are weighed in it."""
     latest = program.engine.latest.get()
-    if latest is None or latest.weighing is None:
+    if latest is None or latest.filter.weighing is None:
         raise HTTPException(503, "The camera has sent no picture yet.")
-    weighing = latest.weighing.settled(latest.cloud.poses)
+    weighing = latest.filter.weighing.settled(latest.filter.cloud.poses)
     if isinstance(weighing.model, OwnSensor):
         weighing = weighing.asking(weighing.model.apart())
     return latest, weighing
@@ -97,7 +97,7 @@ def pose_fits(
     x, y, theta = place
     particle = None
     asked = Pose2(x, y, theta or 0.0)
-    if theta is None and len(snapshot.cloud.weights):
+    if theta is None and len(snapshot.filter.cloud.weights):
         asked, particle = _nearest(snapshot, x, y)
     scan, best = weighing.scan, weighing.best
     poses = np.array([pose.to_array() for pose in (asked, best or asked)])
@@ -106,7 +106,7 @@ def pose_fits(
     each = time.perf_counter() - began
     shares = weighing.shares(poses) if each * len(scan.ranges) < MOST_SHARES_S else None
     _require_sound(weighing)
-    reach = snapshot.parameters.sensor.laser_max_range
+    reach = snapshot.filter.parameters.sensor.laser_max_range
     fits = [
         PoseFitMessage(
             x=pose.x,
@@ -137,7 +137,7 @@ def pose_fits(
 
 def _nearest(snapshot: Snapshot, x: float, y: float) -> tuple[Pose2, float]:
     """Return the particle nearest to a place, and its weight as a multiple of the mean."""
-    cloud = snapshot.cloud
+    cloud = snapshot.filter.cloud
     nearest = int(np.hypot(*(cloud.poses[:, :2] - (x, y)).T).argmin())
     return Pose2(*cloud.poses[nearest].tolist()), float(cloud.weights[nearest] * len(cloud.weights))
 
@@ -187,7 +187,7 @@ def headings_message(
 
 
 def _model_name(snapshot: Snapshot) -> str:
-    return snapshot.own.sensor or snapshot.parameters.sensor.laser_model_type
+    return snapshot.filter.own.sensor or snapshot.filter.parameters.sensor.laser_model_type
 
 
 def _numbers(values: Array) -> list[float | None]:

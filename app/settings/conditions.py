@@ -92,33 +92,13 @@ def require_condition(name: str) -> None:
         raise SettingError(f"no condition {name!r}; valid are {condition_names()}")
 
 
-def check_supported(robot: str, name: str) -> None:
-    """Refuse a condition of wheels or camera mounting for the kinematic robot, which is perfect.
-
-    Raises:
-        SettingError: the condition has no effect on the robot; lists the valid names.
-    """
-    valid = [
-        each
-        for each, preset in CONDITIONS.items()
-        if not any(path.startswith("sim.imperfections.") for path in preset)
-    ]
-    if robot == "kinematic" and name not in valid:
-        raise SettingError(
-            f"condition {name} is of wheels or of the camera's mounting, and the kinematic robot "
-            f"has perfect ones; valid are {', '.join(valid)}"
-        )
-
-
 def apply_condition(config: Config, name: str) -> Config:
     """Return a configuration with a condition applied.
 
     Raises:
-        SettingError: the condition is unknown or has no effect on the robot; lists the valid
-            names.
+        SettingError: the condition is unknown; lists the valid names.
     """
     require_condition(name)
-    check_supported(config.robot, name)
     preset, known = CONDITIONS[name], settings_of(config)
     return with_settings(config, {path: _worse(path, known[path], preset[path]) for path in preset})
 

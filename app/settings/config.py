@@ -8,8 +8,8 @@ from __future__ import annotations
 import dataclasses
 import functools
 import json
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NoReturn, TypeVar, get_args, get_type_hints
@@ -18,6 +18,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from app.settings.groups import (
     CalibrationSettings,
+    FeatureSettings,
     MappingSettings,
     RecordingSettings,
     Ros2Settings,
@@ -60,11 +61,16 @@ if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
 ROOT = Path(__file__).resolve().parents[2]
-MAPS = ROOT / "maps"
-FRONTEND = ROOT / "frontend"
-DOCS = ROOT / "docs"
+_PARTS = next(
+    (folder for folder in (ROOT / "brickpose", ROOT) if (folder / "frontend").is_dir()), ROOT
+)
+"""Folder of what is not Python: a wheel has it in the package, a checkout beside it."""
+MAPS = _PARTS / "maps"
+FRONTEND = _PARTS / "frontend"
+DOCS = _PARTS / "docs"
 
-ROBOTS = ("sim", "kinematic", "buildhat")
+AUTO = "auto"
+"""Chooses a robot, or an engine of physics, that is available."""
 
 UNKNOWN = "unexpected_keyword_argument"
 """Pydantic's error type for a name that is not a field."""
@@ -79,7 +85,11 @@ T = TypeVar("T", bound="DataclassInstance")
 class Config:
     """Everything that can be set; each table of the TOML file is a field."""
 
-    robot: str = setting("auto", "Which robot", choices=("auto", *ROBOTS))
+    robot: str = setting(
+        AUTO,
+        "Which robot: sim, kinematic, buildhat, or one of a feature; auto is sim where physics "
+        "is installed",
+    )
     map: str = setting(
         "square", "A field by name, generated-N (from a seed), or a file (.svg, .yaml)"
     )
@@ -87,7 +97,7 @@ class Config:
     port: int = setting(8080, "Port to listen on", low=0, high=65535)
     allowed_origins: tuple[str, ...] = setting(
         (),
-        "Pages of other places that may talk to the robot, as http://localhost:5500; null is files",
+        "Other sites whose pages may talk to the robot, as http://localhost:5500; null: from files",
     )
     seed: int = setting(0, "Seed of everything random", low=0, high=2**32 - 1)
     sensor_model: str = setting("", "A sensor model of your own, as FILE.py:CLASS")
@@ -108,12 +118,33 @@ class Config:
     recording: RecordingSettings = RecordingSettings()
     ros2: Ros2Settings = Ros2Settings()
     start_pose: StartPoseSettings = StartPoseSettings()
+    features: FeatureSettings = FeatureSettings()
     build_hat: BuildHatSettings = BuildHatSettings()
     camera: CameraSourceSettings = CameraSourceSettings()
     sim: SimSettings = SimSettings()
+    added: Mapping[str, Mapping[str, Any]] = dataclasses.field(default_factory=dict, hash=False)
+    """What a file says in the tables of other packages' features, by the features' names."""
 
     def __post_init__(self) -> None:
         check_settings(self)
+
+    def group(self, feature: str, default: T) -> T:
+        """Return the settings of a feature of another package.
+
+        Args:
+            feature: its name, which is that of its table in a file.
+            default: its settings, as they are where the file says nothing.
+
+        Raises:
+            SettingError: a setting is unknown, of the wrong type or out of range.
+        """
+        table = self.added.get(feature, {})
+        if not isinstance(table, Mapping):
+            raise SettingError(f"{feature} is {table!r}; valid is a table")
+        try:
+            return with_settings(default, by_path(dict(table)))
+        except SettingError as error:
+            raise SettingError(f"[{feature}] {error}") from error
 
 
 def by_path(table: dict[str, Any], path: str = "") -> dict[str, Any]:
@@ -127,18 +158,43 @@ def by_path(table: dict[str, Any], path: str = "") -> dict[str, Any]:
     return result
 
 
-def load_config(path: Path) -> Config:
+def load_config(
+    path: Path, added: Mapping[str, Any] = MappingProxyType({}), ignored: Collection[str] = ()
+) -> Config:
     """Read a TOML file.
+
+    Args:
+        path: the file.
+        added: settings of features, with their defaults, by their tables' names.
+        ignored: names of tables that say nothing now: of features that are left out.
 
     Raises:
         SettingError: the file is missing or is not TOML, or a key is misspelt or out of range; the
             message names the key's path and what is valid.
     """
     content = read_toml(path)
+    ours = {field.name for field in dataclasses.fields(Config)}
+    for name in ours.intersection(added):
+        raise SettingError(f"a feature cannot have the settings [{name}]: they are the program's")
+    for name in set(ignored) - ours:
+        content.pop(name, None)
+    own = {name: content.pop(name) for name in added if name in content}
     try:
-        return from_table(Config, content)
+        _require_known(content.keys(), (ours - {"added"}) | set(added))
+        config = from_table(Config, content)
+        config = replace(config, added={**config.added, **own})
+        for name in own:
+            config.group(name, added[name])
+        return config
     except SettingError as error:
         raise SettingError(f"{path}: {error}") from error
+
+
+def _require_known(names: Iterable[str], valid: Collection[str]) -> None:
+    renamed = {path.partition(".")[0] for path in NEW_NAMES}
+    for name in names:
+        if name not in valid and name not in renamed:
+            raise SettingError(f"{name} is unknown; valid are {', '.join(sorted(valid))}")
 
 
 def from_table(group: type[T], table: Mapping[str, Any]) -> T:

@@ -7,7 +7,7 @@ from pathlib import Path
 from app.settings.config import MAPS
 from robot.errors import CommandError
 from robot.fields.field_loading import field_names
-from robot.fields.generator.generated import generated_seed
+from robot.fields.generator.names import generated_seed
 
 
 def loadable_fields(saved: Path) -> dict[str, str]:

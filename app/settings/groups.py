@@ -3,24 +3,35 @@
 from __future__ import annotations
 
 import math
-import os
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+from robot import user_folders
 from robot.covariance import CovarianceError, covariance_from
 from robot.geometry import Array, Pose2
 from robot.settings import SettingError, check_settings, setting
+
+EVERY_TICK = frozenset({"joint_states", "cmd_vel"})
+"""Topics that are recorded at every tick: the robot's answers and commands. A replay needs all."""
 
 
 def data_folder(folder: str, usual: str) -> Path:
     """Return a folder that is set, or the usual one in the user's data folder."""
     if folder:
         return Path(folder).absolute()
-    data = os.environ.get("XDG_DATA_HOME", "")
-    home = Path(data) if Path(data).is_absolute() else Path.home() / ".local" / "share"
-    return home / "brickpose" / usual
+    return user_folders.data_folder() / usual
+
+
+@dataclass(frozen=True)
+class FeatureSettings:
+    """Features, ours and other packages' (extending.md)."""
+
+    without: tuple[str, ...] = setting((), "Names of features to leave out, as --without does")
+
+    def __post_init__(self) -> None:
+        check_settings(self)
 
 
 @dataclass(frozen=True)
@@ -81,10 +92,6 @@ class StartPoseSettings:
 
     def __post_init__(self) -> None:
         check_settings(self)
-
-
-EVERY_TICK = frozenset({"joint_states", "cmd_vel"})
-"""Topics that are recorded at every tick: the robot's answers and commands. A replay needs all."""
 
 
 @dataclass(frozen=True)
@@ -171,7 +178,7 @@ class Ros2Settings:
         2.0, "Highest rate of particle clouds", unit="Hz", low=0.1, high=100
     )
     most_particles: int = setting(
-        500, "Most particles in a cloud, evenly chosen", low=1, high=20_000
+        500, "Most particles of a published cloud; more are thinned evenly", low=1, high=20_000
     )
     jpeg_quality: int = setting(85, "JPEG quality of published pictures", low=1, high=100)
     tf_broadcast: bool = setting(

@@ -10,12 +10,11 @@ from pathlib import Path
 import numpy as np
 
 from app.files import atomic_file
-from app.settings.config import Config
 from app.settings.groups import data_folder
-from robot.calibration.lens.lens_table import MeasuredLens, table_lines
-from robot.calibration.profile import Profile, load_profile
-from robot.calibration.unknowns import FOCAL, PRIORS, ROTATION, SHIFT
+from robot.description.lens_table import MeasuredLens, table_lines
+from robot.description.profile import Profile, load_profile
 from robot.description.spec import RobotSpec
+from robot.description.unknowns import FOCAL, PRIORS, ROTATION, SHIFT
 from robot.description.urdf import SpecError
 from robot.geometry import Array
 from robot.settings import SettingError
@@ -33,30 +32,6 @@ CAMERA = slice(ROTATION.start, SHIFT.stop)
 def own_profile(robot: str) -> Path:
     """Return the file of a real robot's profile, by the robot's name."""
     return data_folder("", "profiles") / f"{robot}.toml"
-
-
-def profile_file(config: Config) -> Path | None:
-    """Return the profile that holds; None if the robot is as described.
-
-    Without a setting, that is a real robot's own one. Simulated robots have none of their own: each
-    seed is another robot.
-    """
-    if config.profile:
-        return None if config.profile == NONE else Path(config.profile)
-    if config.robot != "buildhat":
-        return None
-    path = own_profile(RobotSpec.load().name)
-    return path if path.exists() else None
-
-
-def written_file(config: Config) -> Path | None:
-    """Return the file that a running robot's calibration is written to.
-
-    None if the robot is simulated: its calibration ends with the program.
-    """
-    if config.robot != "buildhat":
-        return None
-    return profile_file(config) or own_profile(RobotSpec.load().name)
 
 
 def before(path: Path) -> Path:

@@ -11,7 +11,7 @@ from typing import Any
 
 from app.settings.config import ROOT, Config
 
-LIBRARIES = ("numpy", "scipy", "numba", "opencv-python-headless", "pybullet")
+LIBRARIES = ("numpy", "scipy", "numba", "opencv-python-headless", "pybullet", "mujoco-core")
 SOURCES = ("robot", "sim", "app")
 
 
@@ -51,9 +51,9 @@ def settings_of(group: Any, path: str = "") -> dict[str, Any]:
 
 
 def changed_settings(config: Config) -> dict[str, Any]:
-    """Return the settings that differ from their defaults, except robot, host, port and seed."""
+    """Return the settings that differ from their defaults, but for what results name apart."""
     default = settings_of(Config())
-    elsewhere = ("robot", "host", "port", "seed")
+    elsewhere = ("robot", "host", "port", "seed", "sim.engine")
     return {
         path: value
         for path, value in settings_of(config).items()

@@ -15,7 +15,8 @@ PAGE = ROOT / "docs" / "configuration.md"
 HEAD = """# Every setting
 
 `brickpose run --config FILE.toml` reads them; a misspelt key is refused with its path. This page is
-made by `python -m app.tools.settings_page`.
+made by `python -m app.tools.settings_page`. A feature of another package has a table of its own,
+with its name ([extending.md](extending.md)).
 
 ```toml
 map = "town"

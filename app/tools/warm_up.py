@@ -1,68 +1,8 @@
-"""Compiles the numba functions, so that the first start is quick: ``python -m app.tools.warm_up``.
-
-Numba compiles a function for each combination of argument types, and the filters and models use
-many combinations. So this program drives a robot once with each of them, as users do.
-"""
+"""Compiles all functions, so that the first start is quick: ``python -m app.tools.warm_up``."""
 
 from __future__ import annotations
 
-from typing import Any
-
-from app.engine.build import build_program
-from app.engine.program import Program
-from app.engine.snapshot import Snapshot
-from app.messages.commands import Command, ScatterCommand, SetParametersCommand, SetPoseCommand
-from app.messages.driving_commands import FigureEightCommand
-from app.settings.config import Config
-from robot.localization.models.motion_models import MOTION_MODELS
-from robot.localization.parameters import FILTERS
-
-SEARCH_TICKS = 150
-"""Enough for the hypotheses to collect a short map, and to search for places twice."""
-SETTLED_TICKS = 100
-"""Enough to compare poses with odometry, which begins when the place is known for some time."""
-TICKS = 8
-"""A few pictures."""
-FIRST_USES: tuple[dict[str, Any], ...] = (
-    *({"filter": name} for name in FILTERS),
-    {"filter": "particles", "laser_model_type": "beam"},
-    {"laser_model_type": "likelihood_field_prob", "do_beamskip": True},
-    *({"robot_model_type": name} for name in MOTION_MODELS),
-)
-"""Parameter changes, one after another; each brings in code that was not used before."""
-
-
-def drive(program: Program, ticks: int, *first: Command) -> Snapshot:
-    """Send some commands, then drive the figure-eight; return the last snapshot."""
-    for command in first:
-        program.engine.commands.put(command)
-    for _ in range(ticks):
-        program.engine.commands.put(FigureEightCommand(type="figure_eight"))
-        snapshot = program.engine.step()
-    return snapshot
-
-
-def where(snapshot: Snapshot) -> SetPoseCommand:
-    """Return a command that sets the filter to the truth: some code runs only in a narrow cloud."""
-    pose = snapshot.truth or snapshot.odometry
-    return SetPoseCommand(
-        type="set_pose", x=pose.x, y=pose.y, theta=pose.theta, sd_xy=0.002, sd_theta=0.01
-    )
-
-
-def warm_up() -> None:
-    """Run everything that is compiled at its first use."""
-    program = build_program(Config(robot="kinematic"))
-    drive(program, SETTLED_TICKS)
-    snapshot = drive(program, SEARCH_TICKS, ScatterCommand(type="scatter"))
-    for values in FIRST_USES:
-        change = SetParametersCommand(type="set_parameters", values=values)
-        drive(program, TICKS, change, where(snapshot))
-        snapshot = drive(program, TICKS, ScatterCommand(type="scatter"))
-    if snapshot.line_scan is not None:
-        _ = snapshot.line_scan.response  # the page asks for it when the user looks at a ray
-    program.robot.close()
-
+from app.engine.compiling.terminal import compile_first
 
 if __name__ == "__main__":
-    warm_up()
+    compile_first()

@@ -19,7 +19,7 @@ from websockets.sync.connection import Connection
 
 from app.settings.config import ROOT
 from benchmarks.hat.emulated_hat import EmulatedHat, emulated_hat
-from benchmarks.programs import Server, check_ended_well, server
+from benchmarks.programs import ServedProgram, check_ended_well, server
 
 DISK_MB = 32
 
@@ -29,7 +29,7 @@ class Rig:
     """A running program, and what a fault may touch."""
 
     hat: EmulatedHat
-    program: Server
+    program: ServedProgram
     live: Connection
     camera: CameraCable
     recordings: Path

@@ -1,4 +1,4 @@
-"""The faults themselves: how each begins, how it ends, and whether the motors must stop."""
+"""The troubles: how each begins, how it ends, and whether the motors must stop."""
 
 from __future__ import annotations
 
@@ -100,11 +100,11 @@ def _end_recording(rig: Rig) -> None:
 def _fill_disk(rig: Rig) -> None:
     _begin_recording(rig)
     filler = rig.recordings / "filler"
-    with filler.open("wb") as file:
+    # Without a buffer, whose rest could not be written when the file is closed.
+    with filler.open("wb", buffering=0) as file:
         try:
             while True:
                 file.write(bytes(1 << 16))
-                file.flush()
         except OSError:
             pass
     until(rig.live, _no_recording)

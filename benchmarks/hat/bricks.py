@@ -11,7 +11,7 @@ from robot.cameras.camera import Camera
 from robot.description.spec import RobotSpec
 from robot.description.wiring import Wiring
 from robot.geometry import Array
-from robot.hat.board import Board
+from robot.hat.board import BoardDriver
 from robot.hat.build_hat import BuildHat
 from robot.hat.settings import BuildHatSettings
 from robot.hat.start.bring_up import BringUp
@@ -56,7 +56,7 @@ class Bricks:
         }
         self.emulated = EmulatedBoard(self.plants, self.devices, warm=self.warm)
         wirings = self.wirings or self.spec.joints
-        self.board = Board(wirings, self.settings, BringUp(FirmwareImage.installed))
+        self.board = BoardDriver(wirings, self.settings, BringUp(FirmwareImage.installed))
         self.wanted: Array | None = None
         """Joint velocities that the program commands every 20 ms; None: the program hangs."""
         self.alive = True
@@ -103,7 +103,9 @@ class Bricks:
 
     def robot(self, camera: Camera) -> BuildHat:
         """Return the whole robot; time passes while it waits for its next reading."""
-        return BuildHat(self.spec, self.board, Wire(self), camera, lambda: self.now, self.wait)
+        return BuildHat(
+            self.spec, self.board, BricksWire(self), camera, lambda: self.now, self.wait
+        )
 
     def wait(self, seconds: float) -> None:
         """Let time pass."""
@@ -140,7 +142,7 @@ class Bricks:
         self.emulated.receive(data)
 
 
-class Wire:
+class BricksWire:
     """The link of a robot whose driver is called by ``Bricks``."""
 
     failure: Exception | None = None

@@ -52,10 +52,10 @@ def ages(motor_ms: int, program_ms: int) -> Array:
         history.append(bricks.run(1e-3 * READ_MS))
         state = bricks.board.state(bricks.now)
         rows = np.concatenate(history[-10:])
-        for place, direction in enumerate((-1, 1)):
-            angle = direction * math.degrees(state.positions[place] - zero[place]) + turned[place]
+        for index, direction in enumerate((-1, 1)):
+            angle = direction * math.degrees(state.positions[index] - zero[index]) + turned[index]
             # The shaft turns in one direction, so each angle belongs to one moment.
-            path = direction * rows[:, 3 + place]
+            path = direction * rows[:, 3 + index]
             moment = float(np.interp(direction * angle, path, rows[:, 0]))
             samples.append((bricks.now - moment, state.stamp - moment))
     return np.array(samples)

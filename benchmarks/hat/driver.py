@@ -19,7 +19,7 @@ from benchmarks.programs import estimated, telemetry, until
 from benchmarks.result import Result
 from robot.description.spec import RobotSpec
 from robot.geometry import Array
-from robot.hat.board import Board
+from robot.hat.board import BoardDriver
 from robot.hat.serial_link import THREAD, SerialLink
 from robot.hat.settings import BuildHatSettings
 from robot.hat.start.bring_up import BringUp
@@ -33,7 +33,7 @@ START_S = 30.0
 WARM_S = 5.0
 
 
-class Counted(Board):
+class Counted(BoardDriver):
     """A board that counts the bytes on the serial line."""
 
     sent = received = 0
@@ -115,7 +115,7 @@ def _counters(board: Counted) -> tuple[float, float, int, int]:
     return time.monotonic(), time.process_time(), board.sent, board.received
 
 
-def _wait(board: Board) -> None:
+def _wait(board: BoardDriver) -> None:
     deadline = time.monotonic() + START_S
     while not board.state(time.monotonic()).ready:
         if time.monotonic() > deadline:
@@ -123,7 +123,7 @@ def _wait(board: Board) -> None:
         time.sleep(PERIOD)
 
 
-def _drive(board: Board, seconds: float) -> None:
+def _drive(board: BoardDriver, seconds: float) -> None:
     """Command speeds that always change, as on a figure-eight, with the calls of the program."""
     begin = stamp = time.monotonic()
     while stamp < begin + seconds:

@@ -1,4 +1,4 @@
-"""A typical user program that uses LEGO motors through Raspberry Pi's own library.
+"""A session with Raspberry Pi's official library: a typical user program with LEGO motors.
 
 ``python -m benchmarks.hat.official_session DEVICE CONTROL PART...`` prints one line of JSON with
 the findings of each part. The library is not modified. It resets the board by a pin of the Pi; here

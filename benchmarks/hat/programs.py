@@ -7,11 +7,13 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from benchmarks.hat.emulated_hat import EmulatedHat, emulated_hat
-from benchmarks.programs import Server, check_ended_well, server
+from benchmarks.programs import ServedProgram, check_ended_well, server
 
 
 @contextmanager
-def robot_in_bricks(folder: Path, seed: int, *options: str) -> Iterator[tuple[EmulatedHat, Server]]:
+def robot_in_bricks(
+    folder: Path, seed: int, *options: str
+) -> Iterator[tuple[EmulatedHat, ServedProgram]]:
     """Start an emulated board with pybullet's wheels and a rendered camera, and the program.
 
     Raises:

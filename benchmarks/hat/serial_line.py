@@ -18,14 +18,13 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 from websockets.sync.connection import Connection
 
-from app.lab.evaluation.runs import time_to_converge
-from app.lab.trajectories.association import at
-from app.lab.trajectories.clock_offset import estimate_clock_offset
-from app.lab.trajectories.metrics import ate_rmse
-from app.lab.trajectories.trajectory import Trajectory
+from app.features.lab.evaluation.runs import time_to_converge
+from app.features.lab.trajectories.association import at
+from app.features.lab.trajectories.metrics import ate_rmse
+from app.trajectories.trajectory import Trajectory
 from benchmarks.hat.emulated_hat import EmulatedHat
 from benchmarks.hat.programs import robot_in_bricks
-from benchmarks.programs import START_S, Server, connected, estimated, telemetry, until
+from benchmarks.programs import START_S, ServedProgram, connected, estimated, telemetry, until
 from benchmarks.result import Result
 from robot.geometry import Array, Pose2, wrap_angle
 
@@ -40,14 +39,14 @@ SETTLED_S = 2.0
 RENEW_S = 0.2
 
 NEAR_S = 0.1
-"""How far the offset from the motions may be from the one of the least error [s]."""
+"""How far the offset of the least error may be from the best of those tried first [s]."""
 
 POSES = ((1, 2, 3), (4, 5, 6))
 """Columns of the estimate and of the odometry in the recorded telemetry."""
 
 
 @dataclass(frozen=True)
-class Drive:
+class SerialRun:
     """One robot's run."""
 
     seconds: float
@@ -76,7 +75,7 @@ def measure() -> Result:
     )
 
 
-def drive(seed: int, watched: float = WATCHED_S) -> Drive:
+def drive(seed: int, watched: float = WATCHED_S) -> SerialRun:
     """Drive one robot on the square; it gets a wrong pose at the start of the figure-eight."""
     with (
         tempfile.TemporaryDirectory() as folder,
@@ -86,7 +85,7 @@ def drive(seed: int, watched: float = WATCHED_S) -> Drive:
     return _judged(truth, reports)
 
 
-def _watch(hat: EmulatedHat, server: Server, watched: float) -> tuple[Array, Array]:
+def _watch(hat: EmulatedHat, server: ServedProgram, watched: float) -> tuple[Array, Array]:
     """Return true poses (n, 4) by the emulator's clock, and estimates and odometry by the robot's.
 
     The latter are (m, 7).
@@ -124,7 +123,7 @@ def _pose(pose: dict[str, float]) -> list[float]:
     return [pose["x"], pose["y"], pose["theta"]]
 
 
-def _judged(truth: Array, reports: Array) -> Drive:
+def _judged(truth: Array, reports: Array) -> SerialRun:
     """Compare at the clock offset of the least error, as the programs have no common clock.
 
     Both are in the map's frame and are not aligned: on one circle of the figure-eight, a turned
@@ -132,11 +131,13 @@ def _judged(truth: Array, reports: Array) -> Drive:
     """
     true, estimate = _planar(truth), _planar(reports[:, [0, *POSES[0]]])
     late = _planar(reports[reports[:, 0] > reports[0, 0] + SETTLED_S])
-    near = estimate_clock_offset(true, late).seconds
 
     def error(offset: float) -> float:
         return ate_rmse(*_paired(true, late.shifted(offset)))
 
+    # Both were watched at the same time, so the later part of one lies within the other.
+    first, last = true.stamps[[0, -1]] - late.stamps[[0, -1]]
+    near = min(np.arange(first - NEAR_S, last + NEAR_S, NEAR_S / 4).tolist(), key=error)
     offset = float(minimize_scalar(error, bounds=(near - NEAR_S, near + NEAR_S)).x)
     where, matched = _paired(true, estimate.shifted(offset))
     apart = matched.poses - where.poses
@@ -145,7 +146,7 @@ def _judged(truth: Array, reports: Array) -> Drive:
     )
     odometry = _planar(reports[:, [0, *POSES[1]]])
     settled = estimate.stamps[0] + offset + SETTLED_S
-    return Drive(
+    return SerialRun(
         seconds,
         _error_after(settled, true, estimate.shifted(offset)),
         _error_after(settled, true, odometry.shifted(offset)),

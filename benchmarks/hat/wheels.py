@@ -36,7 +36,7 @@ set-point per degree/s."""
 
 
 @dataclass(frozen=True)
-class Step:
+class SpeedStep:
     """One step of speed."""
 
     settled: float
@@ -73,7 +73,7 @@ def measure() -> Result:
     )
 
 
-def our_step(gain: float, phase_ms: int) -> Step:
+def our_step(gain: float, phase_ms: int) -> SpeedStep:
     """Do a step with the driver's loop, called at a phase of the board's ticks."""
     bricks = bricks_with(gain, phase_ms)
     bricks.until(bricks.ready)
@@ -83,7 +83,7 @@ def our_step(gain: float, phase_ms: int) -> Step:
     return judged(bricks.run(WATCHED_S))
 
 
-def firmware_step(name: str, gain: float) -> Step:
+def firmware_step(name: str, gain: float) -> SpeedStep:
     """Do a step with one of the firmware's loops, set up as the official library does."""
     bricks = bricks_with(gain, 3)
     firmware_drives(bricks, name, SPEED)
@@ -138,7 +138,7 @@ def bricks_with(gain: float, phase_ms: int) -> Bricks:
     return Bricks(plants=FreeMotors({0: fast, 1: fast}), phase_ms=phase_ms)
 
 
-def judged(rows: Array) -> Step:
+def judged(rows: Array) -> SpeedStep:
     """Return a step's figures from time and both speeds, with one row per millisecond."""
     speeds = np.abs(rows[:, 1:3])
     since = rows[:, 0] - rows[0, 0]
@@ -147,7 +147,7 @@ def judged(rows: Array) -> Step:
     wrong = (np.abs(smooth / SPEED - 1) > WITHIN).any(axis=1)
     begins = [float(since[np.argmax(column > 5)]) for column in speeds.T]
     last = np.flatnonzero(wrong).max(initial=0)
-    return Step(
+    return SpeedStep(
         settled=float(since[min(last + SMOOTH_MS, len(since) - 1)]),
         overshoot=float(smooth.max() / SPEED - 1),
         apart=abs(begins[0] - begins[1]),

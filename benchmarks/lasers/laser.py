@@ -14,8 +14,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from app.lab.localize.laser_map import LaserMap
-from app.lab.localize.settings import LASER, LaserSettings
+from app.features.lab.localize.laser_map import LaserMap
+from app.features.lab.localize.settings import LASER, LaserSettings
 from benchmarks.lasers.laser_robot import Laser, measurements, wander
 from benchmarks.nav2_amcl import LIBRARY, VERSION, Nav2Amcl
 from benchmarks.result import Result

@@ -12,7 +12,7 @@ from rosbags.rosbag1 import Writer as Ros1Writer
 from rosbags.rosbag2 import StoragePlugin
 from rosbags.rosbag2 import Writer as Ros2Writer
 
-from app.lab.localize.reading.bag import message_types
+from app.features.lab.localize.reading.bag import message_types
 from robot.geometry import Pose2
 
 KINDS = ("ros1", "sqlite3", "mcap")

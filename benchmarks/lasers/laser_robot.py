@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from app.lab.localize.laser_map import LaserMap
-from app.lab.localize.reading.pairing import Measurement
+from app.features.lab.localize.laser_map import LaserMap
+from app.features.lab.localize.reading.pairing import Measurement
 from robot.fields.ray_casting import cast_rays
 from robot.geometry import Array, Pose2, Twist2
 from robot.scan import Scan

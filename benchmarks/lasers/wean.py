@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 
 from app.command_line import main
-from app.lab.trajectories.reading import parse_tum
+from app.features.lab.trajectories.reading import parse_tum
 from app.settings.config import ROOT
 from benchmarks.lasers.laser_bags import LaserBag
 from benchmarks.result import Result

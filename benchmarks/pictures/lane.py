@@ -19,8 +19,9 @@ from pathlib import Path
 import numpy as np
 
 from app.command_line import main
-from app.lab.trajectories.reading import parse_tum, write_tum
+from app.features.lab.trajectories.reading import parse_tum
 from app.settings.config import ROOT
+from app.trajectories.tum_file import write_tum
 from benchmarks.pictures.overhead import Aligned, Overhead, align
 from benchmarks.result import Result
 from robot.settings import SettingError

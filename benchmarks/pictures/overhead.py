@@ -11,7 +11,7 @@ import numpy as np
 import yaml
 from scipy.optimize import least_squares
 
-from app.lab.trajectories.trajectory import Trajectory
+from app.trajectories.trajectory import Trajectory
 from robot.geometry import Array, Pose2, wrap_angle
 
 SCALE_SD, STEP_SD, ASIDE_SD = 0.03, 0.05, 0.02
@@ -23,7 +23,7 @@ LONGEST_SHIFT = 0.5
 """Largest time shift that is tried [s]."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Overhead:
     """The poses that cameras above the floor measured."""
 
@@ -65,7 +65,7 @@ class Overhead:
         return Trajectory.of_poses(self.stamps, poses)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Aligned:
     """Poses beside overhead ones, after one rigid transform and one time shift were fitted."""
 

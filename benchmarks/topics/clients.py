@@ -9,7 +9,7 @@ import sys
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.typing import Subprotocol
 
-from app.ros2.topics import TOPICS
+from app.features.ros.topics import TOPICS
 from app.settings.groups import Ros2Settings
 
 FOXGLOVE = Subprotocol("foxglove.sdk.v1")

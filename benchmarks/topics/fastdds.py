@@ -17,8 +17,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from app.ros2.dds.protocol import dds_topic, dds_type
-from app.ros2.topics import TOPICS
+from app.features.ros.dds.protocol import dds_topic, dds_type
+from app.features.ros.topics import TOPICS
 from app.settings.config import ROOT
 
 SOURCES = ROOT / "tests" / "fastdds_peer"

@@ -15,11 +15,11 @@ from pathlib import Path
 from app.engine.build import build_program
 from app.engine.engine_thread import EngineThread
 from app.engine.program import Program
+from app.features.recordings.contents import contents_of
+from app.features.recordings.recorder import Recorder
+from app.features.ros.publisher import TopicPublisher
+from app.features.ros.source import TopicSource
 from app.messages.driving_commands import FigureEightCommand
-from app.recordings.contents import contents_of
-from app.recordings.recorder import Recorder
-from app.ros2.publisher import TopicPublisher
-from app.ros2.source import TopicSource
 from app.settings.config import Config
 from benchmarks.result import Result
 from sim.real_time import RealTime

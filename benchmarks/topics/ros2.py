@@ -20,14 +20,14 @@ import numpy as np
 from app.engine.build import build_program
 from app.engine.drivers import Drivers
 from app.engine.engine_thread import EngineThread
+from app.features.ros.dds.protocol import dds_topic
+from app.features.ros.dds.route import DdsRoute
+from app.features.ros.encoding.frames import vector
+from app.features.ros.inbox import Inbox
+from app.features.ros.message_types import new, to_cdr
+from app.features.ros.publisher import TopicPublisher
+from app.features.ros.source import TopicSource
 from app.messages.driving_commands import DriveCommand, FigureEightCommand
-from app.ros2.dds.protocol import dds_topic
-from app.ros2.dds.route import DdsRoute
-from app.ros2.encoding.frames import vector
-from app.ros2.inbox import Inbox
-from app.ros2.message_types import new, to_cdr
-from app.ros2.publisher import TopicPublisher
-from app.ros2.source import TopicSource
 from app.settings.config import Config
 from app.settings.groups import Ros2Settings
 from benchmarks.result import Result

@@ -18,7 +18,7 @@ import numpy as np
 
 from app.engine.build import build_program
 from app.engine.program import Program
-from app.engine.robots import build_simulated
+from app.engine.robots import build_robot
 from app.messages.driving_commands import FigureEightCommand
 from app.page.listening import listen
 from app.page.serving import Server
@@ -123,7 +123,7 @@ def _times(config: Config, watched: bool) -> Times:
     pace = RealTime()
     rng = np.random.default_rng(0)
     spec, tape_field = RobotSpec.load(), load_field(config.map, MAPS)
-    robot = TimedRobot(build_simulated(config, spec, tape_field, rng, pace))
+    robot = TimedRobot(build_robot(config, spec, tape_field, rng, pace))
     program = build_program(config, robot=robot)
     listening = listen("127.0.0.1", 0)
     server = Server(program)

@@ -10,13 +10,18 @@ const DEAD = 0.15;
 const FIGURE_EIGHT_BUTTON = 0;
 const STOP_BUTTON = 1;
 
-/** The left stick drives, B stops, A drives the figure-eight. Browsers must be polled for it. */
+/**
+ * The left stick drives, B stops, A drives the figure-eight. Browsers must be polled for it.
+ *
+ * A stick must first be seen at rest: some gamepads report their axes at the ends until they are
+ * moved, and unknown ones have a trigger in the stick's place, which rests at its end.
+ */
 export class GamepadInput {
   /** @type {ReturnType<typeof setInterval> | undefined} */
   #timer;
-  #armed = true;
-  /** @type {boolean[]} */
-  #pressed = [];
+  #armed = false;
+  /** Buttons of the last look; null before the first. @type {boolean[] | null} */
+  #pressed = null;
 
   /** @param {Drive} drive @param {(name: string | null) => void} told gets the gamepad's name */
   constructor(drive, told) {
@@ -36,6 +41,8 @@ export class GamepadInput {
     const pad = this.#pad;
     this.told(pad ? pad.id : null);
     clearInterval(this.#timer);
+    this.#armed = false;
+    this.#pressed = null;
     this.#timer = pad && setInterval(() => this.#poll(), POLL_MS);
     if (!pad) this.drive.hold("gamepad", null);
   }
@@ -56,7 +63,9 @@ export class GamepadInput {
   /** @param {Gamepad} pad */
   #buttons(pad) {
     const pressed = pad.buttons.map((button) => button.pressed);
-    const fresh = (/** @type {number} */ i) => pressed[i] && !this.#pressed[i];
+    // A page is told of a gamepad when one of its buttons is pressed, which means no more than that.
+    const before = this.#pressed ?? pressed;
+    const fresh = (/** @type {number} */ i) => pressed[i] && !before[i];
     if (fresh(STOP_BUTTON)) this.drive.stop();
     else if (fresh(FIGURE_EIGHT_BUTTON)) this.drive.setProgramme(this.drive.programme ? null : "figure_eight");
     this.#pressed = pressed;

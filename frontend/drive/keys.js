@@ -15,9 +15,23 @@ const KEYS = {
   KeyD: [0, -1],
   ArrowRight: [0, -1],
 };
+/**
+ * Keys of the system: macOS tells of no key that is let go while Cmd is held, and menus open by Alt,
+ * F10 or the menu key, which get the keyups.
+ */
+const SYSTEM_KEYS = ["Meta", "OS", "Alt", "ContextMenu", "F10"];
+/** Events after which something else may have the keyboard: menus, dragging, input of characters. */
+const TAKERS = ["contextmenu", "dragstart", "compositionstart", "beforeprint"];
 const TEXT_TYPES = ["text", "number", "search", "email", "url", "tel", "password"];
 
-/** Driving by keyboard: several keys combine, space stops, and typing text does not drive. */
+/**
+ * Driving by keyboard: several keys combine, space stops, and typing text does not drive.
+ *
+ * A key counts as held from its keydown to its keyup, and no longer than its keyup would come: all
+ * are let go when something else may take the keyboard. What remains are keyups that get lost
+ * without any event, as on the way through a remote desktop or with a keyboard that is unplugged.
+ * Repeats say nothing: they end when another key is pressed, and some people switch them off.
+ */
 export class Keys {
   /** @type {Set<string>} */
   #held = new Set();
@@ -33,12 +47,17 @@ export class Keys {
   listen(target) {
     target.addEventListener("keydown", (event) => this.#down(event), { capture: true });
     target.addEventListener("keyup", (event) => this.#up(event), { capture: true });
+    for (const taker of TAKERS)
+      target.addEventListener(taker, () => this.#letGo(), { capture: true });
+    target.addEventListener("focusin", (event) => this.#focused(event), { capture: true });
     if (target !== window) target.addEventListener("blur", () => this.drive.release());
   }
 
   /** @param {KeyboardEvent} event */
   #down(event) {
-    if (!this.drive.possible || typesText(event.target)) return;
+    if (!this.drive.possible) return;
+    if (SYSTEM_KEYS.includes(event.key) || event.metaKey) this.#letGo();
+    if (typesText(event.target)) return;
     if (event.code === "Space") {
       if (!event.repeat) this.drive.stop();
       return take(event);
@@ -57,7 +76,20 @@ export class Keys {
   #up(event) {
     if (!this.drive.possible) return;
     if (event.code === "Space" && !typesText(event.target)) return take(event);
+    if (SYSTEM_KEYS.includes(event.key) || event.metaKey) return this.#letGo();
     if (this.#held.delete(event.code)) this.#apply();
+  }
+
+  /** Let go where keys do something else: text, and lists that open. @param {FocusEvent} event */
+  #focused({ target }) {
+    const element = /** @type {Element | null} */ (target);
+    if (typesText(target) || element?.tagName === "SELECT") this.#letGo();
+  }
+
+  #letGo() {
+    if (this.#held.size === 0) return;
+    this.#held.clear();
+    this.#apply();
   }
 
   #apply() {

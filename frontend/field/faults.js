@@ -6,6 +6,8 @@ import { getJson } from "../wire/http.js";
 
 /** @typedef {import("../messages").Command} Command */
 /** @typedef {import("../messages").FaultsMessage} FaultsMessage */
+/** @typedef {import("../messages").FieldMessage} FieldMessage */
+/** @typedef {import("../messages").RobotMessage} RobotMessage */
 /** @typedef {import("../filter/row.js").Value} Value */
 
 /** Shortest interval between changes that are sent while a slider moves [ms]. */
@@ -41,6 +43,8 @@ export class Faults {
   #list = find("faults-list", HTMLElement);
   #count = find("stat-faults", HTMLElement);
   #condition = find("faults-condition", HTMLSelectElement);
+  #forces = find("faults-forces", HTMLElement);
+  #engine = find("faults-engine", HTMLElement);
   #names = names();
   /** @type {Map<string, ParameterRow>} */
   #rows = new Map();
@@ -75,8 +79,14 @@ export class Faults {
     this.#condition.replaceChildren(make("option", { value: "" }, t("condition")), ...options);
   }
 
-  /** Show what is wrong now; another page may have changed it. @param {Record<string, Value>} wrong */
-  follow(wrong) {
+  /** Offer an engine to a robot without forces, if none is installed. @param {FieldMessage} field */
+  setField({ engine_missing }) {
+    this.#engine.hidden = !engine_missing;
+  }
+
+  /** Show what is wrong now; another page may have changed it. @param {RobotMessage} robot */
+  follow({ faults: wrong, engine }) {
+    this.#forces.hidden = engine !== null;
     const count = Object.keys(wrong).length;
     const words = Object.entries(wrong).map(([name, value]) => `${this.#names[name] ?? name} ${value}`);
     const text = words.join(", ");

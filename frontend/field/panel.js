@@ -32,7 +32,7 @@ export class FieldPanel {
   /** @param {TelemetryMessage} telemetry */
   follow({ map, robot, replay }) {
     if (map !== this.#map) this.#changed(map);
-    this.faults.follow(robot.faults);
+    this.faults.follow(robot);
     this.#load.disabled = replay !== null && replay !== undefined;
   }
 

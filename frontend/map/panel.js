@@ -1,6 +1,6 @@
 // @ts-check
 import { t } from "../page/language.js";
-import { EndTool } from "../mapping/end_tool.js";
+import { EndTool } from "../features/mapping/end_tool.js";
 import { find, findButton, setText } from "../page/elements.js";
 import { degrees, distance, millimetres } from "../page/format.js";
 import { Surface } from "../page/surface.js";

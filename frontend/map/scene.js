@@ -6,14 +6,14 @@ import { Floor } from "./floor.js";
 import { drawHypotheses } from "./hypotheses.js";
 import { Paths } from "./paths.js";
 import { places } from "./places.js";
-import { drawEnds, drawMapping } from "../mapping/drawing.js";
+import { drawEnds, drawMapping } from "../features/mapping/drawing.js";
 
 /** @typedef {import("../messages").FieldMessage} FieldMessage */
 /** @typedef {import("../messages").MapDrawingMessage} MapDrawingMessage */
 /** @typedef {import("../messages").PoseMessage} PoseMessage */
 /** @typedef {import("../messages").TelemetryMessage} TelemetryMessage */
 /** @typedef {import("../page/surface.js").Surface} Surface */
-/** @typedef {import("../mapping/end_tool.js").EndTool} EndTool */
+/** @typedef {import("../features/mapping/end_tool.js").EndTool} EndTool */
 /** @typedef {import("./view.js").MapView} MapView */
 
 /** A pose that the user is pointing out, and the `spread` [m] if it will be sent to the filter. */

@@ -31,7 +31,7 @@ export class Problems {
    * @type {string | null}
    */
   #reason = null;
-  /** @type {LinkState} */
+  /** @type {LinkState | "compiling"} */
   #link = "connecting";
   /** @type {string[]} */
   #present = [];
@@ -60,7 +60,7 @@ export class Problems {
     if (this.#popover.shown) this.#load();
   }
 
-  /** @param {LinkState} link */
+  /** @param {LinkState | "compiling"} link */
   showLink(link) {
     this.#link = link;
     this.#say();
@@ -82,6 +82,7 @@ export class Problems {
     if (this.#link === "lost") {
       return [t("The connection is lost; trying again. The robot stops by itself.")];
     }
+    if (this.#link === "compiling") return [];
     if (!this.stale) return this.#present;
     if (this.#link === "connecting" && performance.now() < PATIENCE_MS) return [];
     if (this.#reason === null) this.#askWhy();

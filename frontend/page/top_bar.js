@@ -1,12 +1,13 @@
 // @ts-check
 import { t, translated } from "./language.js";
-import { find, setText } from "./elements.js";
+import { find, make, setText } from "./elements.js";
 import { distance, millimetres, minutes, plain } from "./format.js";
 
 /** @typedef {import("../messages").TelemetryMessage} TelemetryMessage */
 /** @typedef {import("../messages").FieldMessage} FieldMessage */
 /** @typedef {import("../wire/connection.js").LinkState} LinkState */
 
+/** @type {Record<string, string>} */
 const MODES = {
   idle: t("stopped"),
   drive: t("driving"),
@@ -14,7 +15,7 @@ const MODES = {
   calibrate: t("calibrating"),
   explore: t("exploring"),
 };
-const LINKS = { connecting: t("connecting"), lost: t("disconnected") };
+const LINKS = { connecting: t("connecting"), lost: t("disconnected"), compiling: t("compiling") };
 
 /** The slim bar: the robot's name and state, and the few numbers that show whether all is well. */
 export class TopBar {
@@ -28,6 +29,9 @@ export class TopBar {
   #error = find("stat-error", HTMLElement);
   #loop = find("stat-loop", HTMLElement);
   #delay = find("stat-delay", HTMLElement);
+  #stats = find("stats", HTMLElement);
+  /** @type {Map<string, HTMLElement>} */
+  #values = new Map();
 
   constructor() {
     const bar = /** @type {HTMLElement} */ (document.querySelector(".bar"));
@@ -42,7 +46,8 @@ export class TopBar {
     // Among places that look alike, the heaviest one is so by chance: no single error is right.
     const estimate = particles.alike < 2 ? telemetry.estimate : null;
     setText(this.#name, translated(robot.name));
-    const mode = telemetry.replay ? t("replay") : MODES[telemetry.mode];
+    this.#name.title = robot.engine === null ? "" : t("Physics by {engine}", { engine: robot.engine });
+    const mode = telemetry.replay ? t("replay") : (MODES[telemetry.mode] ?? telemetry.mode);
     this.#enter(robot.connected ? mode : t("not ready"), robot.connected);
     setText(this.#field, telemetry.map);
     setText(this.#time, minutes(telemetry.stamp));
@@ -51,6 +56,21 @@ export class TopBar {
     setText(this.#error, millimetres(truth && estimate && distance(truth, estimate), 1));
     setText(this.#loop, `${plain(telemetry.loop.step_hz)} Hz`);
     setText(this.#delay, delay === null ? "–" : `${plain(delay)} ms`);
+    for (const [name, value] of Object.entries(telemetry.values ?? {})) {
+      const digits = Math.min(String(value).split(".")[1]?.length ?? 0, 2);
+      const text = typeof value === "number" ? plain(value, digits) : value;
+      setText(this.#values.get(name) ?? this.#add(name), text === null ? "–" : String(text));
+    }
+  }
+
+  /** @param {string} name of a further value; it gets a place of its own */
+  #add(name) {
+    const value = make("dd");
+    const label = translated(name.replaceAll("_", " "));
+    const words = make("dt", {}, label.charAt(0).toUpperCase() + label.slice(1));
+    this.#stats.append(make("div", {}, words, value));
+    this.#values.set(name, value);
+    return value;
   }
 
   /** @param {FieldMessage} field */
@@ -61,7 +81,7 @@ export class TopBar {
     this.#measured.title = t("Calibrated {measured}", { measured: translated(field.robot_measured) });
   }
 
-  /** @param {LinkState} link is shown while no telemetry comes */
+  /** @param {LinkState | "compiling"} link is shown while no telemetry comes */
   showLink(link) {
     if (link !== "open") this.#enter(LINKS[link], false);
   }

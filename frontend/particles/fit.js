@@ -32,6 +32,8 @@ export class FitSection {
   #telemetry = null;
   #asking = false;
   #changed = false;
+  /** Whether what was typed last is no number: its refusal stays until a pose is chosen. */
+  #refused = false;
   #answered = 0;
   #words = make("p", { role: "status" }, HINT);
   #table = make("table", {});
@@ -73,6 +75,7 @@ export class FitSection {
   }
 
   clear() {
+    this.#refused = false;
     this.pose = this.fits = null;
     setText(this.#words, HINT);
     this.#table.replaceChildren();
@@ -93,12 +96,14 @@ export class FitSection {
 
   #typed() {
     const [x, y, angle] = this.#fields.map((field) => readNumber(field.value));
-    if (![x, y, angle].every(Number.isFinite)) return void setText(this.#words, t("That is not a number."));
+    this.#refused = ![x, y, angle].every(Number.isFinite);
+    if (this.#refused) return void setText(this.#words, t("That is not a number."));
     this.move({ x: x / 1000, y: y / 1000, theta: (angle * Math.PI) / 180 });
   }
 
   /** @param {PoseMessage} pose */
   #take(pose) {
+    this.#refused = false;
     this.pose = pose;
     this.#odometry = this.#telemetry?.odometry ?? null;
     this.#changed = true;
@@ -143,7 +148,7 @@ export class FitSection {
     [x * 1000, y * 1000, (theta * 180) / Math.PI].forEach((value, i) => {
       if (document.activeElement !== this.#fields[i]) this.#fields[i].value = plain(value, i === 2 ? 1 : 0);
     });
-    setText(this.#words, words(fits));
+    if (!this.#refused) setText(this.#words, words(fits));
     this.#table.replaceChildren(...rows(fits));
     this.#chart.element.hidden = false;
     this.#chart.show(fits);

@@ -10,6 +10,7 @@ import { Span } from "./span.js";
 import { drawStack, lookOf } from "./stack.js";
 
 /** @typedef {import("../page/draw_loop.js").DrawLoop} DrawLoop */
+/** @typedef {import("../messages").FieldMessage} FieldMessage */
 /** @typedef {import("./history.js").History} History */
 
 const ZOOM = 1.25;
@@ -25,6 +26,8 @@ export class PlotsPanel {
   #choice = find("plots-span", HTMLSelectElement);
   #save = find("plots-save", HTMLSelectElement);
   #span = new Span();
+  #forces = find("plots-forces", HTMLElement);
+  #engineMissing = false;
   #replayed = false;
   /** Names of the values that are shown. @type {string[]} */
   #shown = PRESETS.error;
@@ -71,6 +74,12 @@ export class PlotsPanel {
     if (known !== this.#shown.includes("estimateError")) this.tabs.select(known ? "error" : "bound");
   }
 
+  /** Odometry says less of a robot that moves without forces. @param {FieldMessage} field */
+  setField({ engine_missing }) {
+    this.#engineMissing = engine_missing;
+    this.#show(this.#shown);
+  }
+
   /** A replay also has the recorded estimate. @param {boolean} replayed */
   setReplay(replayed) {
     this.#replayed = replayed;
@@ -107,6 +116,7 @@ export class PlotsPanel {
   /** @param {string[]} names */
   #show(names) {
     this.#shown = names;
+    this.#forces.hidden = !this.#engineMissing || !names.some((name) => name.startsWith("odometry"));
     const lines = this.plot.names.map((name, i) => {
       const { colour, dash } = lookOf(name, i);
       const swatch = make("span", { class: "swatch line", style: `color: ${colour}` });

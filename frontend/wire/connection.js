@@ -55,8 +55,8 @@ export class Connection {
   /** Connect, and stay connected as long as the page exists. */
   start() {
     setInterval(() => this.#watch(), PING_EVERY_MS);
-    addEventListener("online", () => this.#hurry());
-    document.addEventListener("visibilitychange", () => this.#hurry());
+    addEventListener("online", () => this.hurry());
+    document.addEventListener("visibilitychange", () => this.hurry());
     this.#open();
   }
 
@@ -171,8 +171,8 @@ export class Connection {
     }
   }
 
-  /** Connect at once, as the network is back or somebody looks at the page. */
-  #hurry() {
+  /** Connect at once, as the network or the robot is there, or somebody looks at the page. */
+  hurry() {
     if (this.#socket || document.hidden) return;
     clearTimeout(this.#retry);
     this.#open();

@@ -16,15 +16,6 @@ from scipy.spatial.transform import Rotation
 from robot.calibration.misses import Misses, misses
 from robot.calibration.normal_equations import CAUCHY, STATE, Equations
 from robot.calibration.sightings import Sightings
-from robot.calibration.unknowns import (
-    COUNT,
-    DELAY,
-    LEFT,
-    PRIORS,
-    RIGHT,
-    ROTATION,
-    SEPARATION,
-)
 from robot.calibration.wheel_motion import (
     BY_DELAY,
     BY_LEFT,
@@ -32,6 +23,15 @@ from robot.calibration.wheel_motion import (
     BY_SEPARATION,
     BY_SLIP,
     WheelMotion,
+)
+from robot.description.unknowns import (
+    COUNT,
+    DELAY,
+    LEFT,
+    PRIORS,
+    RIGHT,
+    ROTATION,
+    SEPARATION,
 )
 from robot.errors import BrickPoseError
 from robot.geometry import Array, wrap_angle
@@ -61,7 +61,7 @@ class CalibrationError(BrickPoseError, ValueError):
     """The drive does not tell what the robot is like; the message says why."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Weights:
     """How much to believe while the unknowns are still far off."""
 
@@ -84,8 +84,8 @@ class Weights:
         return np.asarray(np.linalg.inv(self.covariance), np.float64)
 
 
-@dataclass
-class State:
+@dataclass(eq=False)
+class DriveEstimate:
     """A drive's path and the robot's unknowns, as far as they are known."""
 
     values: Array
@@ -98,11 +98,11 @@ class State:
     """(u,) unknowns of the map (``TapeEdges.derivatives``) [m]; none if the map is known."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Solution:
     """What one adjustment found."""
 
-    state: State
+    state: DriveEstimate
     covariance: Array = field(repr=False)
     """(15, 15) of the unknowns; those of the map follow."""
     pose_covariance: Array = field(repr=False)
@@ -128,7 +128,7 @@ class Adjustment:
         self._start_information = np.asarray(np.linalg.inv(start_covariance), np.float64)
 
     def solve(
-        self, state: State, weights: Weights, most: int = 30, errors: Array | None = None
+        self, state: DriveEstimate, weights: Weights, most: int = 30, errors: Array | None = None
     ) -> Solution:
         """Improve a state until it changes no more (Gauss-Newton).
 
@@ -176,7 +176,7 @@ class Adjustment:
         equations = self._equations(solution.state, weights, solution.misses.pixels)
         return equations.alone(by_others)
 
-    def _equations(self, state: State, weights: Weights, errors: Array | None) -> Equations:
+    def _equations(self, state: DriveEstimate, weights: Weights, errors: Array | None) -> Equations:
         sightings = self._sightings(state)
         equations = Equations(len(state.poses), COUNT + sightings.tape.unknowns)
         twists = self._motion.twists(state.values, state.slip)
@@ -193,15 +193,15 @@ class Adjustment:
         equations.add_prior(*self._prior(state, weights))
         return equations
 
-    def step_errors(self, state: State) -> Array:
+    def step_errors(self, state: DriveEstimate) -> Array:
         """Return how far each step is from what the wheels tell (k - 1, 3), in deviations."""
         return self._step_errors(state)[0]
 
-    def _sightings(self, state: State) -> Sightings:
+    def _sightings(self, state: DriveEstimate) -> Sightings:
         """Return the sightings, with the edges where they are in a state."""
         return self._seen
 
-    def _prior(self, state: State, weights: Weights) -> tuple[Array, Array]:
+    def _prior(self, state: DriveEstimate, weights: Weights) -> tuple[Array, Array]:
         """Return how the shared unknowns (s,) differ from the expected, and the information."""
         return state.values - weights.mean, weights.information
 
@@ -209,7 +209,7 @@ class Adjustment:
         """Return how many edges should lie on the field's: nobody measures at their ends."""
         return self._count - seen.near_ends
 
-    def _step_errors(self, state: State) -> tuple[Array, Array, Array, Array]:
+    def _step_errors(self, state: DriveEstimate) -> tuple[Array, Array, Array, Array]:
         """Return errors of the steps (k - 1, 3), and their derivatives, in standard deviations.
 
         The derivatives are by a picture's own unknowns (k - 1, 3, 5), by those of the next picture
@@ -244,13 +244,13 @@ class Adjustment:
         return error, by_before, by_after, robot
 
 
-def _moved(state: State, step: Array, shared: Array) -> State:
+def _moved(state: DriveEstimate, step: Array, shared: Array) -> DriveEstimate:
     values = state.values + shared[:COUNT]
     turned = Rotation.from_rotvec(shared[ROTATION]) * Rotation.from_rotvec(state.values[ROTATION])
     values[ROTATION] = turned.as_rotvec()
     poses = state.poses + step[:, :3]
     poses[:, 2] = wrap_angle(poses[:, 2])
-    return State(values, poses, state.slip + step[:, 3:], state.map + shared[COUNT:])
+    return DriveEstimate(values, poses, state.slip + step[:, 3:], state.map + shared[COUNT:])
 
 
 def residual_sd(seen: Misses) -> float:

@@ -13,14 +13,14 @@ from robot.calibration.drive_log import DriveLog
 from robot.calibration.drive_path import (
     BEGINNING_S,
     WINDOWS,
-    Drive,
     DrivePath,
+    FieldDrive,
     begin,
     start_text,
 )
 from robot.calibration.position_error import position_sd
-from robot.calibration.unknowns import PRIORS, ROBOT, ROTATION, UNKNOWNS
 from robot.description.spec import RobotSpec
+from robot.description.unknowns import PRIORS, ROBOT, ROTATION, UNKNOWNS
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2
 
@@ -51,7 +51,7 @@ FIXED = 1e-3
 """Factor on the prior of an unknown that stays as described."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Calibration:
     """The result of a calibration."""
 
@@ -84,7 +84,7 @@ class Calibration:
     def not_learnt(self) -> tuple[str, ...]:
         """The unknowns that the drive hardly determined."""
         unlearnt = self.sd[:ROBOT] > LEARNT * PRIORS[:ROBOT]
-        return tuple(UNKNOWNS[place].name for place in np.flatnonzero(unlearnt))
+        return tuple(UNKNOWNS[index].name for index in np.flatnonzero(unlearnt))
 
 
 def calibrate(
@@ -110,7 +110,7 @@ def calibrate(
             not those of the field.
     """
     _check(log)
-    path = begin(Drive(log, spec, taped), start, start_covariance)
+    path = begin(FieldDrive(log, spec, taped), start, start_covariance)
     for window in WINDOWS:
         if window > BEGINNING_S and not path.whole:
             path.grow(window)

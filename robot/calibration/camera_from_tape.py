@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from robot.calibration.sightings import FLOOR_SD, PIXEL_SD, FloorPoints, Sightings
-from robot.calibration.unknowns import COUNT, PRIORS, index_of
+from robot.description.unknowns import COUNT, PRIORS, index_of
 from robot.geometry import Array
 
 TOLD = index_of(["camera_roll", "camera_pitch", "camera_z", "focal_length"])
@@ -38,7 +38,7 @@ FAR_OFF, USUAL = 30.0, 3.0
 """Errors count less from this distance on, in standard deviations: at first and at last."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Guess:
     """The estimated unknowns, with their uncertainty."""
 

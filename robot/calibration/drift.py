@@ -13,17 +13,17 @@ import numpy as np
 from robot.calibration.adjustment import (
     Adjustment,
     CalibrationError,
+    DriveEstimate,
     Solution,
-    State,
     Weights,
     residual_sd,
 )
 from robot.calibration.drive_log import DriveLog
 from robot.calibration.sightings import Sightings
 from robot.calibration.tracking import follow_path
-from robot.calibration.unknowns import COUNT, PRIORS, ROTATION, SHIFT
 from robot.calibration.wheel_motion import WheelMotion
 from robot.description.spec import RobotSpec
+from robot.description.unknowns import COUNT, PRIORS, ROTATION, SHIFT
 from robot.fields.field import Field
 from robot.geometry import Array
 from robot.localization.models.entry_field import EntryField
@@ -44,7 +44,7 @@ STAGES = ((0.06, 4.0), (0.03, 1.0))
 """Gates [m] and doubts, one after the other, where the camera has moved."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Known:
     """A robot's unknowns, as far as they are known."""
 
@@ -60,8 +60,8 @@ class Known:
         return replace(self, covariance=self.covariance + np.diag(added**2))
 
 
-@dataclass(frozen=True)
-class Finding:
+@dataclass(frozen=True, eq=False)
+class DriftFinding:
     """The result of a window."""
 
     poses: Array = field(repr=False)
@@ -119,13 +119,13 @@ class DriftCheck:
         """
         self._spec, self._field, self._entries = spec, taped, entries
 
-    def check(self, log: DriveLog, poses: Array, known: Known) -> Finding | None:
+    def check(self, log: DriveLog, poses: Array, known: Known) -> DriftFinding | None:
         """Return the result of a window, by one step from poses (k, 3) of pictures; None if none.
 
         This is cheap, and enough while the robot is as calibrated.
         """
         adjustment, _, _ = self._adjustment(log, poses[0])
-        state = State(known.values, poses, np.zeros((len(poses), 2)))
+        state = DriveEstimate(known.values, poses, np.zeros((len(poses), 2)))
         loose = known.loosened(SHIFTED)
         try:
             solution = adjustment.solve(state, _weights(loose, STAGES[-1]), most=1)
@@ -135,7 +135,7 @@ class DriftCheck:
 
     def measure(
         self, log: DriveLog, start: Array, known: Known, shifted: float = SHIFTED
-    ) -> Finding | None:
+    ) -> DriftFinding | None:
         """Return the result of a window, by following its path from the first pose; None if none.
 
         Args:
@@ -145,7 +145,7 @@ class DriftCheck:
             shifted: how far the camera may have been shifted by that [m].
         """
         adjustment, seen, motion = self._adjustment(log, start)
-        state = State(known.values, start[None], np.zeros((1, 2)))
+        state = DriveEstimate(known.values, start[None], np.zeros((1, 2)))
         state = follow_path(state, START_COVARIANCE, seen, motion, self._entries, first=True)
         loose = known.loosened(shifted)
         try:
@@ -167,10 +167,10 @@ def _weights(loose: Known, stage: tuple[float, float]) -> Weights:
     return Weights(loose.values, gate=gate, doubt=doubt, covariance=loose.covariance)
 
 
-def _finding(solution: Solution, known: Known, loosened: Known) -> Finding:
+def _finding(solution: Solution, known: Known, loosened: Known) -> DriftFinding:
     loose = Known(solution.state.values, solution.covariance)
     residual = residual_sd(solution.misses)
     poses = solution.state.poses
-    return Finding(
+    return DriftFinding(
         poses, loose, known, loosened, solution.pose_covariance, solution.share, residual
     )

@@ -27,7 +27,7 @@ LOOSE: Mapping[str, Any] = {"width_tolerance": 0.030, "straightness": 0.006, "ta
 wider or narrower, and its edges bent."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class DriveLog:
     """A drive, as far as a calibration or a map needs it."""
 

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from robot.calibration.adjustment import (
     Adjustment,
     CalibrationError,
+    DriveEstimate,
     Solution,
-    State,
     Weights,
     residual_sd,
 )
@@ -27,10 +27,10 @@ from robot.calibration.model_check import remarks
 from robot.calibration.sightings import Sightings
 from robot.calibration.start_poses import SECONDS, alike, entry_table, start_poses
 from robot.calibration.tracking import follow_path
-from robot.calibration.unknowns import COUNT
 from robot.calibration.wheel_motion import WheelMotion
 from robot.calibration.window_weights import window_weights
 from robot.description.spec import RobotSpec
+from robot.description.unknowns import COUNT
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2
 from robot.localization.models.entry_field import EntryField
@@ -53,7 +53,7 @@ MOST_SLIP = 0.3
 """... or where a wheel would have slipped more than this: seven standard deviations."""
 
 
-class Drive:
+class FieldDrive:
     """A drive on a field, and what the tape tells of the camera."""
 
     def __init__(self, log: DriveLog, spec: RobotSpec, taped: Field) -> None:
@@ -101,12 +101,14 @@ class DrivePath:
     solution: Solution
     """Of the longest window so far."""
 
-    def __init__(self, drive: Drive, start: Pose2, start_covariance: Array) -> None:
+    def __init__(self, drive: FieldDrive, start: Pose2, start_covariance: Array) -> None:
         """Begin at a pose, with its covariance (3, 3) [m, m, rad]."""
         self._drive, self._start = drive, start.to_array()
         self._start_covariance = start_covariance
         self._covariance = start_covariance
-        self._state = State(drive.guess.values.copy(), self._start[None].copy(), np.zeros((1, 2)))
+        self._state = DriveEstimate(
+            drive.guess.values.copy(), self._start[None].copy(), np.zeros((1, 2))
+        )
         self._adjustment: Adjustment | None = None
 
     @property
@@ -199,7 +201,7 @@ class DrivePath:
         poses = np.array([(move @ Pose2.from_array(pose)).to_array() for pose in state.poses])
         part, motion = self._drive.window(len(poses))
         adjustment = Adjustment(part, motion, start.to_array(), self._start_covariance)
-        moved = State(state.values.copy(), poses, state.slip.copy())
+        moved = DriveEstimate(state.values.copy(), poses, state.slip.copy())
         try:
             solution = adjustment.solve(moved, Weights(), FEW)
         except CalibrationError:
@@ -212,7 +214,7 @@ class DrivePath:
         return self._adjustment.solve(self._state, weights)
 
 
-def begin(drive: Drive, start: Pose2, start_covariance: Array) -> DrivePath:
+def begin(drive: FieldDrive, start: Pose2, start_covariance: Array) -> DrivePath:
     """Return the beginning of a drive's path, from the start as told if the drive fits there.
 
     Raises:
@@ -264,7 +266,7 @@ def start_text(pose: Pose2) -> str:
     return f"({pose.x:.2f} m, {pose.y:.2f} m, {np.degrees(pose.theta):.0f} degrees)"
 
 
-def _begun(drive: Drive, start: Pose2, start_covariance: Array) -> DrivePath | None:
+def _begun(drive: FieldDrive, start: Pose2, start_covariance: Array) -> DrivePath | None:
     """Return the beginning of a path from a start; None if nothing explains it."""
     path = DrivePath(drive, start, start_covariance)
     try:

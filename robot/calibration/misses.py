@@ -6,11 +6,11 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from robot.calibration.sightings import FLOOR_SD, PIXEL_SD, FloorPoints, Sightings
-from robot.calibration.unknowns import COUNT, LENS, SHIFT, TAPE
+from robot.compiling import compiled
+from robot.description.unknowns import COUNT, LENS, SHIFT, TAPE
 from robot.geometry import Array
 
 NEAR_END = -2
@@ -19,7 +19,7 @@ GRAZING = 0.15
 """Sine of the least angle between a ray and an edge that it measures."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Misses:
     """How far the seen edges lie off those of the field, and the derivatives of that."""
 
@@ -113,7 +113,7 @@ def misses(seen: Sightings, floor: FloorPoints, poses: Array, values: Array, gat
     )
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def nearest_edges(
     points: Array, toward_tape: Array, edges: Array, normals: Array, margins: Array, gate: float
 ) -> NDArray[np.int64]:

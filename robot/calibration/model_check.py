@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from robot.calibration.adjustment import Adjustment, Solution, Weights, residual_sd
 from robot.calibration.misses import Misses
-from robot.calibration.unknowns import TAPE
 from robot.camera import Lens
+from robot.description.unknowns import TAPE
 from robot.fields.edges import lengths
 from robot.fields.field import Field
 from robot.geometry import Array

@@ -9,12 +9,12 @@ The robot's unknowns are in all pictures; they are solved for first (Schur compl
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 from scipy.linalg import cho_solve_banded, cholesky_banded
 
 from robot.calibration.misses import Misses
-from robot.calibration.unknowns import COUNT
+from robot.compiling import compiled
+from robot.description.unknowns import COUNT
 from robot.geometry import Array, wrap_angle
 
 STATE = 5
@@ -191,7 +191,7 @@ class Equations:
         return factor
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _add_rows(
     picture: NDArray[np.int64],
     by_pose: Array,
@@ -223,7 +223,7 @@ def _add_rows(
                 robot[columns[m], columns[n]] += values[m] * values[n]
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _nonzero(
     by_robot: Array,
     map_unknowns: NDArray[np.intp],

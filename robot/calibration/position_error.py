@@ -1,4 +1,4 @@
-"""What is not known of a robot, in millimetres: how far off it makes the filter lay the robot."""
+"""The error of position that follows from what is not known of a robot, in millimetres."""
 
 from __future__ import annotations
 

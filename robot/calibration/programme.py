@@ -1,4 +1,4 @@
-"""The drive of a calibration: turns, arcs and straights both ways, near where it begins."""
+"""The programme of a calibration's drive: turns, arcs and straights both ways, near its start."""
 
 from __future__ import annotations
 

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from robot.calibration.drive_log import DriveLog
 from robot.calibration.tape_edges import TapeEdges
-from robot.calibration.unknowns import FOCAL, ROTATION, Differences
 from robot.description.spec import RobotSpec
+from robot.description.unknowns import FOCAL, ROTATION, Differences
 from robot.fields.field import Field
 from robot.geometry import Array
 
@@ -25,7 +25,7 @@ FARTHEST = 5.0
 """Floor points farther than this are none [m]: the camera looks at the horizon."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class FloorPoints:
     """The floor points that the pixels of some pictures saw."""
 
@@ -48,7 +48,7 @@ class FloorPoints:
         )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Sightings:
     """The tape edges that the camera saw during a drive."""
 

@@ -14,7 +14,7 @@ END = 0.03
 """Edges are not measured nearer to their ends than this [m], as corners round them off."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class TapeEdges:
     """Edges whose places are known."""
 

@@ -19,13 +19,13 @@ from robot.calibration.drift import (
     MOVED,
     SHIFTED_MOST,
     DriftCheck,
-    Finding,
+    DriftFinding,
     Known,
 )
 from robot.calibration.drive_log import DriveLog, DriveRecorder
 from robot.calibration.start_poses import entry_table
-from robot.calibration.unknowns import COUNT, NAMES, PRIORS, ROBOT, Differences
 from robot.description.spec import RobotSpec
+from robot.description.unknowns import COUNT, NAMES, PRIORS, ROBOT, Differences
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2
 from robot.interface import Reading
@@ -62,10 +62,11 @@ DIRECTIONS = (
     ("further to the right", "further to the left"),
 )
 """How a camera looks that is turned about the robot's axes, by less and more than zero."""
+Job = Callable[[], DriftFinding | None]
 
 
-@dataclass(frozen=True, slots=True)
-class Picture:
+@dataclass(frozen=True, slots=True, eq=False)
+class TrackedPicture:
     """What one picture saw, and where the filter believed the robot to be."""
 
     stamp: float
@@ -75,7 +76,7 @@ class Picture:
     odom_from_robot: Pose2
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Update:
     """What is to be taken over."""
 
@@ -90,9 +91,6 @@ class Update:
     """Odometry at that stamp."""
 
 
-Job = Callable[[], Finding | None]
-
-
 class CalibrationTracker:
     """Follows one robot on one field; ``job`` is the work, which any thread may do."""
 
@@ -101,7 +99,7 @@ class CalibrationTracker:
         self._check = DriftCheck(spec.uncalibrated, taped, entry_table(taped))
         self._recorder = DriveRecorder(spec, settings, taped.tape)
         self._axle = list(spec.axle)
-        self._pictures: deque[Picture] = deque()
+        self._pictures: deque[TrackedPicture] = deque()
         self._wheels: deque[tuple[float, Array]] = deque()
         self._fresh = 0
         """Pictures since the last check."""
@@ -112,7 +110,7 @@ class CalibrationTracker:
         """Residual of most windows, in the deviations that are expected."""
         self._moved_at: float | None = None
         """Stamp of the last picture before those from which a moved camera is measured."""
-        self._working: tuple[Picture, ...] = ()
+        self._working: tuple[TrackedPicture, ...] = ()
         """The window of the job that was given out."""
         self.remark = ""
         """What was found of the camera, in plain words; empty if it is as calibrated."""
@@ -149,7 +147,7 @@ class CalibrationTracker:
         if frame is None or odom_from_robot is None or not self._is_due(frame.stamp):
             return
         pixels = self._recorder.edges(frame.image)
-        self._pictures.append(Picture(frame.stamp, pixels, pose, odom_from_robot))
+        self._pictures.append(TrackedPicture(frame.stamp, pixels, pose, odom_from_robot))
         self._fresh += 1
         while len(self._pictures) > MEASURED[-1] or self._pictures[0].stamp < earliest:
             self._pictures.popleft()
@@ -187,12 +185,12 @@ class CalibrationTracker:
 
     def _checked(
         self,
-        window: tuple[Picture, ...],
+        window: tuple[TrackedPicture, ...],
         log: DriveLog,
         known: Known,
         path: dict[float, Array],
         usual: float,
-    ) -> Finding | None:
+    ) -> DriftFinding | None:
         """Return what a window says; None if nothing fits.
 
         In a window without a bump, the edges lie not farther off than ``usual``, in deviations.
@@ -219,7 +217,7 @@ class CalibrationTracker:
                 findings += [] if newest is None else [newest]
         return min(findings, key=lambda each: each.residual)
 
-    def take(self, finding: Finding | None) -> Update | None:
+    def take(self, finding: DriftFinding | None) -> Update | None:
         """Take the result of a job; return what is to be taken over."""
         window, count = self._working, 0 if finding is None else len(finding.poses)
         if finding is None or not finding.fits or not window:
@@ -246,7 +244,7 @@ class CalibrationTracker:
             self._moved_at, self._learnt_until, self.remark = None, stamps[-1], ""
         return self._update(finding, window)
 
-    def _learn(self, finding: Finding, stamps: list[float]) -> Update | None:
+    def _learn(self, finding: DriftFinding, stamps: list[float]) -> Update | None:
         """Learn a drift from a window, if none of it was learnt from before."""
         if stamps[0] < self._learnt_until:
             return None
@@ -257,7 +255,7 @@ class CalibrationTracker:
         changed = np.abs(self._known.values[:ROBOT] - self._applied)
         return self._update(finding, self._working) if (changed > NOTICEABLE).any() else None
 
-    def _update(self, finding: Finding, window: Sequence[Picture]) -> Update:
+    def _update(self, finding: DriftFinding, window: Sequence[TrackedPicture]) -> Update:
         self._applied = self._known.values[:ROBOT].copy()
         sd = np.sqrt(np.diag(self._known.covariance))[:ROBOT]
         return Update(
@@ -268,7 +266,7 @@ class CalibrationTracker:
             window[-1].odom_from_robot,
         )
 
-    def _log(self, window: Sequence[Picture]) -> DriveLog:
+    def _log(self, window: Sequence[TrackedPicture]) -> DriveLog:
         begin = window[0].stamp - 0.5
         wheels = [(stamp, angles) for stamp, angles in self._wheels if stamp >= begin]
         return DriveLog(
@@ -279,7 +277,7 @@ class CalibrationTracker:
         )
 
 
-def _is_smooth(window: Sequence[Picture]) -> bool:
+def _is_smooth(window: Sequence[TrackedPicture]) -> bool:
     """Return whether the filter knew each pose, and none jumped."""
     for before, after in itertools.pairwise(window):
         if before.pose is None or after.pose is None:

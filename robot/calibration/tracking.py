@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from robot.calibration.adjustment import STEP_SD, State
+from robot.calibration.adjustment import STEP_SD, DriveEstimate
 from robot.calibration.misses import misses
 from robot.calibration.sightings import FloorPoints, Sightings
 from robot.calibration.start_poses import edge_ends, pose_near
@@ -40,14 +40,14 @@ field's, and the pose moves by at most the second, in standard deviations."""
 
 
 def follow_path(
-    state: State,
+    state: DriveEstimate,
     covariance: Array,
     seen: Sightings,
     motion: WheelMotion,
     entries: EntryField,
     *,
     first: bool,
-) -> State:
+) -> DriveEstimate:
     """Return a state with the poses of all pictures of a window.
 
     Args:

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from robot.calibration.drive_log import DriveLog
-from robot.calibration.unknowns import DELAY, LEFT, RIGHT, SEPARATION
 from robot.description.spec import RobotSpec
+from robot.description.unknowns import DELAY, LEFT, RIGHT, SEPARATION
 from robot.geometry import Array
 
 STEP_S = 0.025
@@ -35,7 +35,7 @@ MOST_PARTS = 100
 """Most parts of the time between two pictures: for a camera that stalled for seconds."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class WheelMotion:
     """The wheels of one drive."""
 

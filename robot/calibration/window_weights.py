@@ -6,7 +6,7 @@ import numpy as np
 
 from robot.calibration.adjustment import Weights
 from robot.calibration.camera_from_tape import Guess
-from robot.calibration.unknowns import COUNT, DELAY, LEFT, PRIORS, RIGHT, SEPARATION, index_of
+from robot.description.unknowns import COUNT, DELAY, LEFT, PRIORS, RIGHT, SEPARATION, index_of
 from robot.geometry import Array
 
 ALL_FREE_S = 12.0

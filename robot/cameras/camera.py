@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import time
 from dataclasses import dataclass
 from typing import Any, Protocol, runtime_checkable
@@ -14,6 +15,11 @@ from robot.camera import Lens
 from robot.errors import BrickPoseError
 from robot.interface import Frame
 from robot.settings import SettingError, check_settings, setting
+
+LONGEST_WAY_S = 1.0
+"""Largest age of a picture on arrival [s]; a stamp that is older is of another clock."""
+Picture = NDArray[np.uint8]
+"""(h, w) grey or (h, w, 3) BGR."""
 
 
 @dataclass(frozen=True)
@@ -46,10 +52,6 @@ class CameraSourceSettings:
         check_settings(self)
         if self.rotation not in (0, 180):
             raise SettingError(f"rotation is {self.rotation} deg; valid are 0 and 180 deg")
-
-
-LONGEST_WAY_S = 1.0
-"""Largest age of a picture on arrival [s]; a stamp that is older is of another clock."""
 
 
 def middle_of_exposure(readout_start: float, exposure: float, readout: float) -> float:
@@ -85,6 +87,8 @@ def on_monotonic(stamp: float, current: float, asleep: float) -> float | None:
 
 def suspend_time() -> float:
     """Return how long the machine has been suspended since its start [s]."""
+    if sys.platform != "linux":
+        return 0.0  # only a Pi's camera stamps by the clock that counts it
     return time.clock_gettime(time.CLOCK_BOOTTIME) - time.monotonic()
 
 
@@ -121,10 +125,6 @@ class Camera(Protocol):
     def close(self) -> None:
         """Release the camera; may be called twice."""
         ...
-
-
-Picture = NDArray[np.uint8]
-"""(h, w) grey or (h, w, 3) BGR."""
 
 
 def check_size(shape: tuple[int, ...], lens: Lens, name: str) -> None:

@@ -6,6 +6,7 @@ first. Pictures that nobody fetched in time are skipped.
 
 from __future__ import annotations
 
+import logging
 import math
 from collections.abc import Callable
 from pathlib import Path
@@ -15,10 +16,16 @@ import cv2
 
 from robot.camera import Lens
 from robot.cameras.camera import Picture, PictureError, SourceError, check_size, upright
+from robot.cameras.picture_files import (
+    AS_TAKEN,
+    SUFFIXES,
+    pictures_in,
+    read_picture,
+    turned_line,
+)
 from robot.interface import Frame
 
-SUFFIXES = (".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".ppm", ".tif", ".tiff", ".webp")
-"""Endings of the files in a folder that count as pictures."""
+_log = logging.getLogger(__name__)
 
 LONGEST_LAG_S = 1.0
 """If no picture was fetched for longer, the pace restarts instead of catching up [s]."""
@@ -105,8 +112,9 @@ class FolderPictures:
             SourceError: there are no pictures in it; the message names the valid endings.
         """
         self.name = f"the pictures in {folder}"
-        self._paths = sorted(p for p in folder.iterdir() if p.suffix.lower() in SUFFIXES)
+        self._paths = pictures_in(folder)
         self._next = 0
+        self._told = False
         if not self._paths:
             raise SourceError(
                 f"{folder} has no pictures; valid are files that end in {', '.join(SUFFIXES)}"
@@ -116,10 +124,11 @@ class FolderPictures:
         """Skip some pictures, then read one."""
         path = self._paths[(self._next + skip) % len(self._paths)]
         self._next = (self._next + skip + 1) % len(self._paths)
-        picture = cv2.imread(str(path), cv2.IMREAD_ANYCOLOR)
-        if picture is None:
-            raise PictureError(f"{path} is no picture that can be read; replace or remove it")
-        return upright(picture, 0)
+        picture = read_picture(path)
+        if picture.asks_to_be_turned and not self._told:
+            self._told = True
+            _log.warning("%s", turned_line([str(path)]))
+        return picture.pixels
 
     def close(self) -> None:
         """Do nothing: no file is open between two pictures."""
@@ -136,7 +145,7 @@ class VideoPictures:
         """
         self.name = f"the video {path}"
         self._path = path
-        self._capture = cv2.VideoCapture(str(path), cv2.CAP_FFMPEG)
+        self._capture = cv2.VideoCapture()
         if not self._grab():
             self._capture.release()
             raise SourceError(
@@ -144,6 +153,8 @@ class VideoPictures:
                 "a file such as .mp4, .avi or .mkv"
             )
         self._grabbed = True
+        if self._capture.get(cv2.CAP_PROP_ORIENTATION_META):
+            _log.warning("%s says that it is to be turned; %s", path, AS_TAKEN)
 
     @property
     def frame_rate(self) -> float | None:
@@ -171,4 +182,7 @@ class VideoPictures:
         if self._capture.grab():
             return True
         self._capture.release()
-        return self._capture.open(str(self._path), cv2.CAP_FFMPEG) and self._capture.grab()
+        opened = self._capture.open(str(self._path), cv2.CAP_FFMPEG)
+        # Phones write into a video, too, by how much it is to be turned when it is shown.
+        self._capture.set(cv2.CAP_PROP_ORIENTATION_AUTO, 0)
+        return opened and self._capture.grab()

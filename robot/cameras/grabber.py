@@ -9,7 +9,8 @@ from __future__ import annotations
 import logging
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Protocol
 
 from robot.camera import Lens
@@ -27,6 +28,9 @@ JOIN_S = 3.0
 
 FIRST_PICTURE_S = 3.0
 """Longest time from a device's start to its first picture [s]."""
+
+HUNG_S = 8.0
+"""A driver that has not returned from a call after this time [s] is taken to hang."""
 
 FIRST_RETRY_S, LAST_RETRY_S = 0.5, 8.0
 """Time between attempts to open the device [s]: it doubles from the first value to the last."""
@@ -84,6 +88,8 @@ class Grabber:
         self._last_stamp = -float("inf")
         self._last_arrival = clock()
         self._trouble: str | None = f"{device.name} is being started"
+        self._called: float | None = None
+        """Since when the thread is in a call of the driver; None if it is in none."""
         self._thread = WorkerThread("camera", self._run, owner=device.name, patience=JOIN_S)
 
     @property
@@ -106,7 +112,9 @@ class Grabber:
         """Why no pictures come, with the cure; None while they come."""
         with self._lock:
             trouble, silent = self._trouble, self._clock() - self._last_arrival
-        # The silence is reported even if the driver hangs and blocks the thread.
+            called = self._called
+        if called is not None and self._clock() - called > HUNG_S:
+            return self._hung()
         return trouble or (self._silence() if silent > self._stall else None)
 
     def close(self) -> None:
@@ -129,7 +137,8 @@ class Grabber:
     def _attempt(self, stopping: threading.Event) -> None:
         """Open the device and take pictures until it fails or the camera is closed."""
         try:
-            self._device.open()
+            with self._in_driver():
+                self._device.open()
             self._take_pictures(stopping)
         except PictureError as error:
             self._tell(str(error))
@@ -142,7 +151,8 @@ class Grabber:
     def _take_pictures(self, stopping: threading.Event) -> None:
         patient_until = self._clock() + FIRST_PICTURE_S
         while not stopping.is_set():
-            frame = self._device.grab(GRAB_S)
+            with self._in_driver():
+                frame = self._device.grab(GRAB_S)
             # A driver that hands out the same buffer again has no new picture.
             if frame is not None and frame.stamp > self._last_stamp:
                 self._put(frame)
@@ -160,7 +170,8 @@ class Grabber:
 
     def _let_go(self) -> None:
         try:
-            self._device.close()
+            with self._in_driver():
+                self._device.close()
         except Exception as error:
             LOG.exception("%s could not be closed", self.name)
             self._tell(f"{self.name} could not be closed: {error}")
@@ -168,6 +179,22 @@ class Grabber:
     def _tell(self, trouble: str) -> None:
         with self._lock:
             self._trouble = trouble
+
+    @contextmanager
+    def _in_driver(self) -> Iterator[None]:
+        with self._lock:
+            self._called = self._clock()
+        try:
+            yield
+        finally:
+            with self._lock:
+                self._called = None
+
+    def _hung(self) -> str:
+        return (
+            f"{self.name}'s driver hangs, so no other attempt can be made; check the cable, then "
+            "start the program again, or the computer if that does not help"
+        )
 
     def _silence(self) -> str:
         return (

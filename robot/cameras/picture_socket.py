@@ -42,6 +42,8 @@ class PictureSocket:
             PictureError: nothing listens at the socket.
         """
         self._received.clear()
+        if not hasattr(socket, "AF_UNIX"):
+            raise PictureError(f"{self.name} needs a socket of Linux or macOS, also in WSL")
         self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
         self._socket.settimeout(1.0)
         try:

@@ -1,8 +1,9 @@
-"""A USB camera, or any other camera of Video4Linux, through OpenCV."""
+"""Devices of Video4Linux (V4L2): a USB camera, or any other, through OpenCV."""
 
 from __future__ import annotations
 
 import os
+import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -91,6 +92,11 @@ class V4l2Device:
             self._capture = None
 
     def _check_node(self) -> None:
+        if sys.platform != "linux":
+            raise PictureError(
+                f"{self.name} can be opened on Linux only; a folder of pictures or a video file "
+                "can be shown here"
+            )
         if not self._path.exists():
             result = ", ".join(str(path) for path in video_nodes()) or "none at all"
             raise PictureError(f"{self.name} is not there: plug it in; there is {result}")

@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 from scipy.spatial.transform import Rotation
 
-from robot.camera import CameraError, Lens
+from robot.camera import CameraError
 from robot.description.spec import RobotSpec
 from robot.geometry import Array
+from robot.lens_files.reading import LensFile
 
 BODY_FROM_OPTICAL = np.array([[0.0, 0, 1], [-1, 0, 0], [0, -1, 0]])
 """Axes of a camera that looks ahead: z ahead, x to the right, y down."""
@@ -23,20 +22,18 @@ LONGEST_DELAY = 1.0
 """Largest delay of a picture [s]."""
 
 
-def with_camera(spec: RobotSpec, path: Path) -> RobotSpec:
-    """Return a robot with the camera of a ``camera_info`` file.
+def with_camera(spec: RobotSpec, file: LensFile) -> RobotSpec:
+    """Return a robot with the camera of a file.
 
-    The file has the lens as ROS describes it. Two keys are BrickPose's, and ROS ignores them:
-    ``mounting`` with ``xyz`` [m] and ``rpy`` [rad], the camera's pose on the robot as a URDF has
-    it, for a camera that looks ahead where all angles are zero; and ``picture_delay`` [s], how much
-    later than its exposure a picture is stamped. What is missing stays as it is in the description.
+    The file has the lens. Two keys are BrickPose's, and other programs ignore them: ``mounting``
+    with ``xyz`` [m] and ``rpy`` [rad], the camera's pose on the robot as a URDF has it, for a
+    camera that looks ahead where all angles are zero; and ``picture_delay`` [s], how much later
+    than its exposure a picture is stamped. What is missing stays as it is in the description.
 
     Raises:
-        CameraError: the file cannot be read, or a value is invalid; the message names it.
+        CameraError: a value is invalid; the message names it.
     """
-    lens = Lens.from_yaml(path)
-    # BaseLoader keeps values as text: no YAML tag can make it construct an object.
-    content = yaml.load(path.read_text(encoding="utf-8"), yaml.BaseLoader)
+    content = file.keys
     try:
         pose, delay = spec.robot_from_camera, spec.picture_delay
         if "mounting" in content:
@@ -44,8 +41,8 @@ def with_camera(spec: RobotSpec, path: Path) -> RobotSpec:
         if "picture_delay" in content:
             delay = _number(content["picture_delay"], "picture_delay", -LONGEST_DELAY, "s")
     except CameraError as error:
-        raise CameraError(f"{path}: {error}") from error
-    return replace(spec, lens=lens, robot_from_camera=pose, picture_delay=delay)
+        raise CameraError(f"{file.path}: {error}") from error
+    return replace(spec, lens=file.lens, robot_from_camera=pose, picture_delay=delay)
 
 
 def mounting_pose(xyz: Array, rpy: Array) -> Array:

@@ -9,7 +9,7 @@ import numpy as np
 
 from robot.description.robot_model import MOMENTS, Inertial, Joint, Link, RobotModel, read_model
 from robot.description.urdf import (
-    Shape,
+    Solid,
     SpecError,
     child,
     origin_of,
@@ -32,7 +32,7 @@ class RigidBody:
     """Centre of mass (3,) [m]."""
     inertia: Array = field(repr=False)
     """(3, 3) about the centre of mass [kg m^2]."""
-    collisions: tuple[tuple[Shape, Array], ...] = field(repr=False)
+    collisions: tuple[tuple[Solid, Array], ...] = field(repr=False)
     """Collision shapes, each with ``body_from_shape`` (4, 4)."""
     joint: str | None
     """The joint that moves the body; None for the root."""
@@ -107,7 +107,7 @@ def _lump(top: str, links: list[tuple[Inertial, Array]]) -> tuple[float, Array, 
     return mass, centre, inertia
 
 
-def principal_moments(shape: Shape, mass: float) -> Array:
+def principal_moments(shape: Solid, mass: float) -> Array:
     """Return the moments (3,) [kg m^2] about the shape's own axes through its centre.
 
     Box ``m (b^2 + c^2) / 12``; cylinder about its axis ``m r^2 / 2`` and across

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from robot.description.urdf import (
-    Shape,
+    Solid,
     SpecError,
     child,
     numbers,
@@ -49,7 +49,7 @@ class Link:
 
     name: str
     inertial: Inertial | None
-    collisions: tuple[tuple[Shape, Array], ...] = field(repr=False)
+    collisions: tuple[tuple[Solid, Array], ...] = field(repr=False)
     """Shapes that touch others, each with ``link_from_shape`` (4, 4)."""
 
 

@@ -1,4 +1,4 @@
-"""The robot's description: the source of every dimension in the program."""
+"""The robot's spec, read from its description: the source of every dimension in the program."""
 
 from __future__ import annotations
 
@@ -19,6 +19,7 @@ from robot.description.robot_model import RobotModel, place_link, read_model
 from robot.description.urdf import SpecError, origin_of, parse_xml, shape_of, text_of
 from robot.description.wheels import ROBOT_FRAME, JointSpec, read_wheels, resize_wheel
 from robot.geometry import Array
+from robot.lens_files.reading import read_lens_file
 
 __all__ = ["SPIKE", "JointSpec", "RobotSpec", "SpecError"]
 
@@ -78,7 +79,7 @@ class RobotSpec:
         return cls(
             name=root.get("name", "robot"),
             joints=joints,
-            lens=Lens.from_yaml(folder / _lens_name(sensor)),
+            lens=read_lens_file(folder / _lens_name(sensor)).lens,
             robot_from_camera=_camera_pose(model, text_of(sensor, "frame", "the camera")),
             outline=_outline(root, model),
             urdf=urdf,

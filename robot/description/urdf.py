@@ -27,7 +27,7 @@ class SpecError(BrickPoseError, ValueError):
 
 
 @dataclass(frozen=True, slots=True)
-class Shape:
+class Solid:
     """A solid of uniform density, centred on its origin; a cylinder's axis is z."""
 
     kind: str
@@ -109,7 +109,7 @@ def positive(element: ElementTree.Element, attribute: str, where: str) -> float:
     return value
 
 
-def shape_of(element: ElementTree.Element, where: str) -> Shape:
+def shape_of(element: ElementTree.Element, where: str) -> Solid:
     """Return the shape of a visual or collision.
 
     Raises:
@@ -122,11 +122,11 @@ def shape_of(element: ElementTree.Element, where: str) -> Shape:
         raise SpecError(f"{where}: geometry is {result}; valid are {', '.join(SHAPES)}")
     if solid.tag != "box":
         names = SHAPES[solid.tag]
-        return Shape(solid.tag, tuple(positive(solid, name, where) for name in names))
+        return Solid(solid.tag, tuple(positive(solid, name, where) for name in names))
     size = numbers(solid, "size", 3, where)
     if (size <= 0).any():
         raise SpecError(f"{where}: size is {solid.get('size')!r}; all three must be above zero")
-    return Shape("box", tuple(size.tolist()))
+    return Solid("box", tuple(size.tolist()))
 
 
 def origin_of(element: ElementTree.Element, where: str) -> Array:

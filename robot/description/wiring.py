@@ -12,6 +12,21 @@ from robot.description.urdf import SpecError, child, positive, text_of
 
 MOTORS = ("small angular", "medium angular", "large angular")
 """The kinds with an encoder; a joint of the description names one of them as its ``motor``."""
+OTHERS = {
+    0x01: "simple medium motor (45303): it has no encoder",
+    0x02: "train motor (88011): it has no encoder",
+    0x26: "medium linear motor (88008)",
+    0x2E: "Technic large motor (88013)",
+    0x2F: "Technic XL motor (88014)",
+    0x3D: "colour sensor",
+    0x3E: "distance sensor",
+    0x3F: "force sensor",
+    0x40: "light matrix",
+}
+"""Names of other devices that may be plugged in, by type id."""
+PORTS = ("A", "B", "C", "D")
+TOLERANCE = 1e-6
+"""Largest difference of typed lengths that must agree [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,19 +61,6 @@ KINDS = {
 """Motor kinds by type id. The figures are from Pybricks' measurements; those of LEGO's own sheets
 (tolerance 15 %) are 10 to 17 % higher."""
 
-OTHERS = {
-    0x01: "simple medium motor (45303): it has no encoder",
-    0x02: "train motor (88011): it has no encoder",
-    0x26: "medium linear motor (88008)",
-    0x2E: "Technic large motor (88013)",
-    0x2F: "Technic XL motor (88014)",
-    0x3D: "colour sensor",
-    0x3E: "distance sensor",
-    0x3F: "force sensor",
-    0x40: "light matrix",
-}
-"""Names of other devices that may be plugged in, by type id."""
-
 
 def described(type_id: int) -> str:
     """Return the name of a device for messages."""
@@ -66,11 +68,6 @@ def described(type_id: int) -> str:
     if known is not None:
         return f"{known.kind} motor ({known.lego_number})"
     return OTHERS.get(type_id, f"device of type {type_id:02X}")
-
-
-PORTS = ("A", "B", "C", "D")
-TOLERANCE = 1e-6
-"""Largest difference of typed lengths that must agree [m]."""
 
 
 @dataclass(frozen=True, slots=True)

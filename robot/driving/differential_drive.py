@@ -1,4 +1,4 @@
-"""Two driven wheels on one axle: from the robot's velocity to the wheels' velocities and back."""
+"""Differential drive, two wheels on an axle: from robot's to wheels' velocities, and back."""
 
 from __future__ import annotations
 

@@ -12,6 +12,9 @@ from robot.driving.differential_drive import DifferentialDrive, WheelMultipliers
 from robot.geometry import Twist2
 from robot.settings import check_settings, setting
 
+ROUNDING_S = 5e-7
+"""Tolerance of times [s]: stamps are sums of floating-point periods."""
+
 
 @dataclass(frozen=True)
 class DriveSettings:
@@ -37,13 +40,13 @@ class DriveSettings:
         0.3, "A command that is not renewed ends after this time", unit="s", low=0.2, high=5
     )
     left_wheel_radius_multiplier: float = setting(
-        1.0, "The left wheel's radius, by the described one", low=0.5, high=2
+        1.0, "Factor on the described radius of the left wheel", low=0.5, high=2
     )
     right_wheel_radius_multiplier: float = setting(
-        1.0, "The right wheel's radius, by the described one", low=0.5, high=2
+        1.0, "Factor on the described radius of the right wheel", low=0.5, high=2
     )
     wheel_separation_multiplier: float = setting(
-        1.0, "The distance between the wheels, by the described one", low=0.5, high=2
+        1.0, "Factor on the described distance between the wheels", low=0.5, high=2
     )
 
     def __post_init__(self) -> None:
@@ -57,6 +60,11 @@ class DriveSettings:
             self.right_wheel_radius_multiplier,
             self.wheel_separation_multiplier,
         )
+
+
+def lapsed(stamp: float, until: float) -> bool:
+    """Return whether a time [s] is over."""
+    return stamp > until - ROUNDING_S
 
 
 class DriveController:
@@ -89,8 +97,7 @@ class DriveController:
         """Return the twist to apply at a stamp [s]."""
         duration = 0.0 if self._stamp is None else max(stamp - self._stamp, 0.0)
         self._stamp = stamp
-        # Half a microsecond of tolerance: stamps are sums of floating-point periods.
-        if stamp > self._until - 5e-7:
+        if lapsed(stamp, self._until):
             # The command has timed out, so no time is left for a ramp.
             self.stop()
             return self._applied

@@ -1,4 +1,4 @@
-"""The paper's open-loop path: a circle to the left, a circle to the right."""
+"""The paper's figure-eight, driven open-loop: a circle to the left, a circle to the right."""
 
 from __future__ import annotations
 

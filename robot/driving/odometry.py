@@ -31,7 +31,7 @@ class OdometrySettings:
         check_settings(self)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class OdometryState:
     """Dead reckoning at one stamp."""
 

@@ -1,4 +1,4 @@
-"""Driving along straight legs, as odometry tells where the robot is."""
+"""A route of straight legs, driven as odometry tells where the robot is."""
 
 from __future__ import annotations
 

@@ -14,7 +14,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from robot.fields.field import CONTRAST
 from robot.fields.floor_picture import PAPER, Layer
@@ -88,22 +87,19 @@ def _grounds(coats: Sequence[Coat]) -> list[float]:
     owner = np.repeat(np.arange(len(coats)), [len(points) for points in places])
     points = np.concatenate(places) if places else np.empty((0, 2))
     levels = np.full(len(points), float(PAPER))
+    tree = shapely.STRtree([shapely.Point(x, y) for x, y in points.tolist()])
     for number, coat in enumerate(coats):
-        later = owner > number
-        if coat.width is None and later.any():
-            _paint(levels, points, later, coat.layer)
+        if coat.width is None and len(owner) and owner[-1] > number:
+            shapely.prepare(coat.layer.area)
+            inside = tree.query(coat.layer.area, predicate="contains_properly")
+            later = inside[owner[inside] > number]
+            levels[later] += coat.layer.alpha * (coat.layer.grey - levels[later])
     grounds = []
-    for number in range(len(coats)):
-        below = levels[owner == number]
+    ends = np.cumsum([len(seen) for seen in places])
+    for below in np.split(levels, ends[:-1]) if coats else ():
         dark = len(below) > 0 and (below < HALF).mean() >= BESIDE
         grounds.append(float(np.median(below)) if dark else float(PAPER))
     return grounds
-
-
-def _paint(levels: Array, points: Array, later: NDArray[np.bool_], layer: Layer) -> None:
-    shapely.prepare(layer.area)
-    inside = later & shapely.contains_xy(layer.area, points)
-    levels[inside] += layer.alpha * (layer.grey - levels[inside])
 
 
 def _places(coat: Coat) -> Array:
@@ -111,19 +107,43 @@ def _places(coat: Coat) -> Array:
     if coat.width is None:
         return np.empty((0, 2))
     outline = shapely.get_coordinates(coat.layer.area)
+    if not len(outline):  # it shows nowhere
+        return np.empty((0, 2))
     chosen: Array = outline[np.unique(np.linspace(0, len(outline) - 1, PLACES).astype(int))]
     return chosen
 
 
 def _visible(coats: Sequence[Coat], tape: Sequence[Tape | None], light: bool) -> shapely.Geometry:
     """Return the area of light tape, or of dark tape, that is visible after all coats."""
-    area: shapely.Geometry = shapely.Polygon()
-    fresh: list[shapely.Geometry] = []
+    runs: list[tuple[bool, list[shapely.Geometry]]] = []
     for coat, kind in zip(coats, tape, strict=True):
-        if kind is not None and kind.light == light:
-            fresh.append(coat.layer.area)
-        elif coat.is_dark if light else coat.is_light:
-            # Paint hides only the tape that was painted before it.
-            area = shapely.difference(shapely.union_all([area, *fresh]), coat.layer.area)
-            fresh = []
-    return shapely.union_all([area, *fresh])
+        is_tape = kind is not None and kind.light == light
+        if is_tape or (coat.is_dark if light else coat.is_light):
+            if not runs or runs[-1][0] != is_tape:
+                runs.append((is_tape, []))
+            runs[-1][1].append(coat.layer.area)
+    areas = [
+        (is_tape, shapely.union_all(parts) if len(parts) > 1 else parts[0])
+        for is_tape, parts in runs
+    ]
+    return _last_on_top(areas)[0] if areas else shapely.Polygon()
+
+
+def _last_on_top(
+    areas: Sequence[tuple[bool, shapely.Geometry]],
+) -> tuple[shapely.Geometry, shapely.Geometry]:
+    """Return the visible part of the tape among areas, and all paint that hides what is below.
+
+    The areas are tape (true) or paint, in the order of painting; halves are put together.
+    """
+    nothing: shapely.Geometry = shapely.Polygon()
+    if len(areas) == 1:
+        is_tape, area = areas[0]
+        return (area, nothing) if is_tape else (nothing, area)
+    below, paint_below = _last_on_top(areas[: len(areas) // 2])
+    above, paint_above = _last_on_top(areas[len(areas) // 2 :])
+    # Paint hides only the tape that was painted before it.
+    if not shapely.is_empty(below) and not shapely.is_empty(paint_above):
+        below = shapely.difference(below, paint_above)
+    tape = above if shapely.is_empty(below) else shapely.union_all([below, above])
+    return tape, shapely.union_all([paint_below, paint_above])

@@ -16,6 +16,7 @@ from robot.geometry import Array, wrap_angle
 
 SHARP = 0.3
 """An outline that turns by more than this [rad] ends one edge and begins another."""
+_Points = tuple[NDArray[np.intp], NDArray[np.intp]]
 
 
 def lengths(edges: Array) -> Array:
@@ -74,9 +75,6 @@ def cell_outline(dark: NDArray[np.bool_]) -> Array:
     return np.vstack([lying, standing])
 
 
-_Points = tuple[NDArray[np.intp], NDArray[np.intp]]
-
-
 def _directed(forward: NDArray[np.bool_], low: _Points, high: _Points) -> Array:
     """Return edges (n, 4) from the low to the high end where forward, else from high to low."""
     edges = np.column_stack([*low, *high]).astype(np.float64)
@@ -95,7 +93,7 @@ def _runs(steps: NDArray[np.int8]) -> tuple[NDArray[Any], ...]:
 
 def followers(edges: Array) -> NDArray[np.intp]:
     """Return, for each of edges (n, 4), the edge (n,) that begins at its end; -1 if none does."""
-    first = {tuple(np.round(edge[:2], 6)): place for place, edge in enumerate(edges)}
+    first = {tuple(np.round(edge[:2], 6)): index for index, edge in enumerate(edges)}
     return np.array([first.get(tuple(np.round(edge[2:], 6)), -1) for edge in edges], dtype=np.intp)
 
 

@@ -18,6 +18,7 @@ from robot.fields.edge_index import EdgeIndex, index_edges
 from robot.fields.edges import lengths, sample
 from robot.fields.floor_picture import Extent, FloorPicture, coverage
 from robot.fields.grid_map import MAX_CELLS, OccupancyGrid
+from robot.fields.ray_casting import cast_rays
 from robot.fields.visibility import Visibility, visibility
 from robot.geometry import Array, Pose2
 from robot.scanning.tape import Tape
@@ -34,13 +35,22 @@ _LEAST_FREE = 0.1
 """Tape encloses nothing if less than this share of its bounding box is free floor."""
 
 _MAX_SEARCH_CELLS = 1_000_000
+STEP, TOLERANCE = 0.010, 0.008
+"""Edges are compared at points STEP apart, which may be off by TOLERANCE [m]: half of STEP and a
+little more."""
+FACING = 0.95
+"""Smallest cosine between the normals of matching points, and smallest share of such points."""
+FOLDS = (2, 3, 4, 5, 6, 8)
+"""The full turn is divided by each of these numbers; all multiples of the parts are tried."""
 
 
 class FieldError(BrickPoseError, ValueError):
     """A field that cannot be used, or a pose that is not on it; the message says what is valid."""
 
+    exit_code = 2
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, eq=False)
 class Field:
     """A floor with tape, dark or light (or the occupied cells of a ROS map), and its edges."""
 
@@ -77,6 +87,21 @@ class Field:
     def edge_index(self) -> EdgeIndex:
         """Spatial index of the edges, for casting rays."""
         return index_edges(self.edges)
+
+    def ranges(self, poses: Array, bearings: Array, range_max: float) -> Array:
+        """Return what a perfect laser would measure at poses, with tape for walls.
+
+        Args:
+            poses: of the laser in the map (n, 3) [m, m, rad].
+            bearings: (k,) [rad], from +x of the laser, anticlockwise.
+            range_max: how far it measures [m].
+
+        Returns:
+            (n, k) [m]; +inf where a ray meets no tape.
+        """
+        result = np.empty((len(poses), len(bearings)))
+        cast_rays(poses, bearings, self.edge_index, range_max, result)
+        return result
 
     @cached_property
     def sharp_ends(self) -> NDArray[np.bool_]:
@@ -222,15 +247,6 @@ class Field:
             return np.asarray(levels >= _LIGHT)
         usual = int(np.bincount(self.floor.image.ravel()).argmax())
         return np.asarray(np.abs(levels.astype(np.int16) - usual) < CONTRAST)
-
-
-STEP, TOLERANCE = 0.010, 0.008
-"""Edges are compared at points STEP apart, which may be off by TOLERANCE [m]: half of STEP and a
-little more."""
-FACING = 0.95
-"""Smallest cosine between the normals of matching points, and smallest share of such points."""
-FOLDS = (2, 3, 4, 5, 6, 8)
-"""The full turn is divided by each of these numbers; all multiples of the parts are tried."""
 
 
 def symmetries(edges: Array) -> tuple[Pose2, ...]:

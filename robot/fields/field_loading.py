@@ -12,12 +12,14 @@ from numpy.typing import NDArray
 from robot.fields.edges import cell_outline
 from robot.fields.field import Field, FieldError
 from robot.fields.floor_picture import Extent, FloorPicture, finest_resolution
-from robot.fields.generator.generated import drawing, generated_seed
+from robot.fields.generator.names import generated_seed
 from robot.fields.grid_map import OCCUPIED, UNKNOWN, MapError, OccupancyGrid, load_map_yaml
 from robot.fields.svg_field import field_of_drawing, load_svg
 from robot.geometry import Array, Pose2, heading_vectors
 
 GENERATED = "generated-0 to generated-4294967295, or an .svg or .yaml file"
+_TONES = np.concatenate([np.rint(np.linspace(254, 0, OCCUPIED + 1)), [205]]).astype(np.uint8)
+"""Grey level by value, 0 to 100 and then -1, as map_server saves free, occupied and unknown."""
 
 
 def load_field(name: str, maps: Path) -> Field:
@@ -33,6 +35,8 @@ def load_field(name: str, maps: Path) -> Field:
     """
     seed = generated_seed(name)
     if seed is not None:
+        from robot.fields.generator.generated import drawing  # noqa: PLC0415 - few fields are
+
         return _usable(field_of_drawing(drawing(seed), name))
     path = Path(name)
     if name and path.name == name and not path.suffix:
@@ -63,10 +67,6 @@ def _load_ros_map(path: Path) -> Field:
         return field_from_grid(load_map_yaml(path), path.stem)
     except MapError as error:
         raise FieldError(str(error)) from error
-
-
-_TONES = np.concatenate([np.rint(np.linspace(254, 0, OCCUPIED + 1)), [205]]).astype(np.uint8)
-"""Grey level by value, 0 to 100 and then -1, as map_server saves free, occupied and unknown."""
 
 
 def field_from_grid(grid: OccupancyGrid, name: str) -> Field:

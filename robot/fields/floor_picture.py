@@ -30,7 +30,7 @@ Extent = tuple[float, float, float, float]
 """xmin, ymin, xmax, ymax [m] in the map frame."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class FloorPicture:
     """The floor from above; its rows run along -y of the map: row 0 is at the top, at ymax.
 
@@ -102,9 +102,9 @@ def paint(extent: Extent, layers: Sequence[Layer]) -> FloorPicture:
     """
     xmin, ymin, xmax, ymax = extent
     resolution = finest_resolution(xmax - xmin, ymax - ymin)
-    # A border on a whole pixel must not lose that pixel to rounding.
-    width = max(1, math.floor((xmax - xmin) / resolution + 1e-6))
-    height = max(1, math.floor((ymax - ymin) / resolution + 1e-6))
+    # A border on a whole pixel must not lose that pixel to rounding: programs write two decimals.
+    width = max(1, math.floor((xmax - xmin) / resolution + 0.01))
+    height = max(1, math.floor((ymax - ymin) / resolution + 0.01))
     ymin = ymax - height * resolution
     image = np.full((height, width), PAPER, dtype=np.float32)
     for layer in _joined(layers):
@@ -121,10 +121,12 @@ def _joined(layers: Sequence[Layer]) -> list[Layer]:
             joined[-1].append(layer)
         else:
             joined.append([layer])
-    return [
-        Layer(shapely.union_all([layer.area for layer in group]), group[0].grey, group[0].alpha)
-        for group in joined
-    ]
+    return [group[0] if len(group) == 1 else _united(group) for group in joined]
+
+
+def _united(group: list[Layer]) -> Layer:
+    area = shapely.union_all([layer.area for layer in group])
+    return Layer(area, group[0].grey, group[0].alpha)
 
 
 def _coat(
@@ -159,6 +161,8 @@ def coverage(edges: Array, shape: tuple[int, int]) -> Array:
     covers its height. The signed sum over an outline is the area inside.
     """
     height, width = shape
+    if not height * width:  # all of it is outside
+        return np.zeros(shape)
     start, end = _cut_at_grid_lines(edges)
     middle = (start + end) / 2
     column, row = np.floor(middle).astype(np.int64).T

@@ -6,9 +6,11 @@ is the same here as on the robot that it was made for.
 
 from __future__ import annotations
 
+import logging
 import math
+from contextlib import suppress
 from dataclasses import dataclass, field
-from pathlib import Path
+from pathlib import Path, PureWindowsPath
 
 import cv2
 import numpy as np
@@ -16,6 +18,7 @@ import yaml
 from numpy.typing import NDArray
 
 from robot.fields.map_files import MAX_PIXELS, MapError, Picture, read_map_yaml, read_picture
+from robot.file_names import as_written
 from robot.geometry import Array, Pose2
 
 __all__ = ["MapError", "Meaning", "OccupancyGrid", "load_map_yaml", "save_map_yaml"]
@@ -26,13 +29,19 @@ UNKNOWN, FREE, OCCUPIED = -1, 0, 100
 RESOLUTION_M = (1e-4, 100.0)
 """Smallest and largest cell [m]."""
 
+COARSEST_M = 1.0
+"""Largest cell in a file [m]: a robot on a floor finds nothing in larger ones."""
+MOST_TURN = 2 * math.pi + 1e-3
+"""Largest yaw in a file [rad]."""
 FAR_M = 1e6
 """An origin farther away is a mistake [m]."""
+
+LOG = logging.getLogger("brickpose")
 
 Cells = NDArray[np.int8]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class OccupancyGrid:
     """Cells that are free, occupied or unknown, as in nav_msgs/OccupancyGrid."""
 
@@ -129,10 +138,45 @@ def load_map_yaml(path: Path) -> OccupancyGrid:
             occupied_thresh=content.number("occupied_thresh"),
             free_thresh=content.number("free_thresh"),
         )
-        cells = _cells(read_picture(path.parent / image), meaning)
+        _check_units(resolution, yaw)
+        if meaning.free_thresh > meaning.occupied_thresh:
+            raise MapError(
+                f"free_thresh is {meaning.free_thresh:g}, above occupied_thresh "
+                f"{meaning.occupied_thresh:g}: are they the wrong way round? usual are 0.196 and "
+                "0.65"
+            )
+        cells = _cells(read_picture(_image_of(path, image)), meaning)
         return OccupancyGrid(cells[::-1].copy(), resolution, Pose2(x, y, yaw))
     except MapError as error:
         raise MapError(f"{path}: {error}") from error
+
+
+def _check_units(resolution: float, yaw: float) -> None:
+    """Refuse millimetres and degrees: with them the map would be of another place."""
+    if resolution > COARSEST_M:
+        raise MapError(
+            f"resolution is {resolution} m a pixel; valid is 0.0001 to {COARSEST_M:g}: was it "
+            f"given in mm or cm? 50 mm are 0.05"
+        )
+    if abs(yaw) > MOST_TURN:
+        raise MapError(
+            f"the third number of origin, the yaw, is {yaw:g} rad; valid is up to 2 pi either way: "
+            f"was it given in degrees? those are {math.radians(yaw):.4f}"
+        )
+
+
+def _image_of(path: Path, image: str) -> Path:
+    """Return the picture that a map's YAML names, or that of the same name beside the YAML.
+
+    A map that was copied names a path of the computer on which it was made, maybe of Windows.
+    """
+    named = as_written(path.parent / image)
+    beside = as_written(path.parent / PureWindowsPath(image).name)
+    with suppress(OSError):  # the name may be too long; reading tells that
+        if not named.is_file() and beside.is_file():
+            LOG.warning("%s: there is no %s; %s beside it is read", path, image, beside.name)
+            return beside
+    return named
 
 
 def save_map_yaml(

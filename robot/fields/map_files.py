@@ -17,10 +17,20 @@ import yaml
 from numpy.typing import NDArray
 
 from robot.errors import BrickPoseError
+from robot.yaml_file import parse_yaml
 
 MAX_YAML_BYTES = 64 << 10
 MAX_PICTURE_BYTES = 256 << 20
 MAX_PIXELS = 64_000_000
+PICTURES = (".pgm", ".ppm", ".png", ".bmp", ".jpg", ".jpeg", ".tif", ".tiff")
+SAVED_BY = {
+    ".posegraph": "slam_toolbox",
+    ".data": "slam_toolbox",
+    ".pbstream": "Cartographer",
+    ".db": "RTAB-Map",
+    ".bt": "OctoMap",
+}
+"""Endings of files that are no maps of cells, with who writes them."""
 MAX_SIDE = 32_000
 """Largest side [px]: OpenCV's transforms take no more."""
 
@@ -65,7 +75,7 @@ class MapYaml:
         raise MapError(f"{key} is {_shown(value)}; valid are 0, 1, false, true")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Picture:
     """A picture with its full range of brightness."""
 
@@ -83,8 +93,18 @@ def read_map_yaml(path: Path) -> MapYaml:
     Raises:
         MapError: there is no such file, or it is not a mapping in YAML.
     """
+    if path.is_dir():
+        held = ", ".join(sorted(file.name for file in path.glob("*.yaml"))[:5]) or "none"
+        raise MapError(f"it is a folder; valid is a map's YAML, of which it has {held}")
+    if path.suffix.lower() in PICTURES:
+        raise MapError("it is a picture; valid is the map's YAML, which names it")
+    if path.suffix in SAVED_BY:
+        raise MapError(
+            f"it is what {SAVED_BY[path.suffix]} keeps of a map; valid is a map's YAML: ros2 run "
+            "nav2_map_server map_saver_cli saves one"
+        )
     try:
-        content = yaml.load(_read(path, MAX_YAML_BYTES), yaml.BaseLoader)
+        content = parse_yaml(_read(path, MAX_YAML_BYTES))
     except (yaml.YAMLError, UnicodeError, RecursionError, ValueError) as error:
         if isinstance(error, MapError):
             raise

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from robot.compiling import compiled
 from robot.fields.edge_index import EdgeIndex
 from robot.geometry import Array
 
@@ -15,7 +15,7 @@ TINY = 1e-200
 """Replaces zero in a divisor."""
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def cast_rays(
     poses: Array, bearings: Array, index: EdgeIndex, range_max: float, result: Array
 ) -> None:
@@ -28,7 +28,7 @@ def cast_rays(
             result[i, j], _ = cast_toward(x, y, dx, dy, index, range_max)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
+@compiled(error_model="numpy", forceinline=True)
 def cast_toward(
     x: float, y: float, dx: float, dy: float, index: EdgeIndex, range_max: float
 ) -> tuple[float, int]:
@@ -52,7 +52,7 @@ def cast_toward(
     return (nearest, met) if met >= 0 else (math.inf, -1)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
+@compiled(error_model="numpy", forceinline=True)
 def tangent_at(x: float, y: float, edge: int, index: EdgeIndex) -> tuple[float, float]:
     """Return the outline's tangent at a point of an edge, about as long as the edge [m].
 
@@ -69,7 +69,7 @@ def tangent_at(x: float, y: float, edge: int, index: EdgeIndex) -> tuple[float, 
     return ex - turn * ey, ey + turn * ex
 
 
-@njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
+@compiled(error_model="numpy", forceinline=True)
 def _walk(
     x: float, y: float, dx: float, dy: float, index: EdgeIndex, range_max: float
 ) -> tuple[float, int]:
@@ -107,7 +107,7 @@ def _walk(
     return nearest, met
 
 
-@njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
+@compiled(error_model="numpy", forceinline=True)
 def _nearest_of(
     x: float,
     y: float,
@@ -137,7 +137,7 @@ def _nearest_of(
     return nearest, met
 
 
-@njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
+@compiled(error_model="numpy", forceinline=True)
 def _enter(
     left: float, bottom: float, per_x: float, per_y: float, width: float, height: float
 ) -> float:

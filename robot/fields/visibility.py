@@ -13,9 +13,9 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from robot.compiling import compiled
 from robot.fields.edge_index import EdgeIndex, index_edges
 from robot.fields.edges import followers, lengths, sharp_ends
 from robot.fields.ray_casting import cast_toward
@@ -95,7 +95,7 @@ def _kinds(tape: tuple[Tape, ...], support: float) -> Iterator[tuple[Array, floa
             yield np.array([kind.width]), min(support, SPAN * kind.dash)
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _judge_parts(
     edges: Array,
     starts: NDArray[np.int64],
@@ -129,7 +129,7 @@ def _judge_parts(
     return seen
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _sample_outline(
     edges: Array,
     edge: int,
@@ -169,7 +169,7 @@ def _sample_outline(
     return NEIGHBOURS
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _without_border(
     seen: NDArray[np.bool_],
     starts: NDArray[np.int64],
@@ -187,7 +187,7 @@ def _without_border(
     return kept
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _blind_beside(
     edge: int,
     part: int,

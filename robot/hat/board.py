@@ -56,7 +56,7 @@ DUTY_STEPS = 255
 """Number of steps of the firmware's pulse width."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class BoardState:
     """The joints at one moment."""
 
@@ -74,7 +74,7 @@ class BoardState:
     """Voltage of the supply [V]; None while unknown."""
 
 
-class Board:
+class BoardDriver:
     """Drives joints through a Build HAT."""
 
     def __init__(
@@ -205,7 +205,7 @@ class Board:
 
     def _take(self, event: events.Event, current: float) -> bytes:
         match event:
-            case events.Supply(volts):
+            case events.SupplyVoltage(volts):
                 self._answered = current
                 self._supply.take_voltage(volts)
             case events.MotorPowerFault():

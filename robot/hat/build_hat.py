@@ -13,7 +13,7 @@ from robot.cameras.camera import Camera, CameraSourceSettings
 from robot.cameras.choice import open_camera
 from robot.description.spec import RobotSpec
 from robot.geometry import Array
-from robot.hat.board import Board
+from robot.hat.board import BoardDriver
 from robot.hat.serial_link import SerialLink
 from robot.hat.serial_port import find_device
 from robot.hat.settings import BuildHatSettings
@@ -26,7 +26,7 @@ PERIOD = 0.02
 """Time between two readings [s]: control at 50 Hz."""
 
 
-class Link(Protocol):
+class BoardLink(Protocol):
     """Carries bytes between the board and its driver."""
 
     failure: Exception | None
@@ -47,8 +47,8 @@ class BuildHat:
     def __init__(
         self,
         spec: RobotSpec,
-        board: Board,
-        link: Link,
+        board: BoardDriver,
+        link: BoardLink,
         camera: Camera,
         clock: Callable[[], float] = time.monotonic,
         sleep: Callable[[float], None] = time.sleep,
@@ -75,7 +75,7 @@ class BuildHat:
         Raises:
             ValueError: no camera can have the name in the settings.
         """
-        board = Board(spec.joints, settings, BringUp(FirmwareImage.installed))
+        board = BoardDriver(spec.joints, settings, BringUp(FirmwareImage.installed))
         device = find_device() if settings.serial_port == "auto" else settings.serial_port
         link = SerialLink(device, board, GpioResetLine().pulse)
         return cls(spec, board, link, open_camera(spec.lens, camera))

@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable
 
 from robot.errors import BrickPoseError, PortError
-from robot.hat.board import Board
+from robot.hat.board import BoardDriver
 from robot.hat.serial_port import SerialPort
 from robot.worker_thread import WorkerThread
 
@@ -36,7 +36,7 @@ class SerialLink(WorkerThread):
     def __init__(
         self,
         device: str,
-        board: Board,
+        board: BoardDriver,
         reset: Callable[[], None] | None = None,
         period: float = 0.01,
     ) -> None:

@@ -2,38 +2,39 @@
 
 from __future__ import annotations
 
-import errno
-import fcntl
-import os
 import re
-import select
-import termios
+import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
 
-import serial  # type: ignore[import-untyped, unused-ignore]
-
 from robot.errors import PortError
 from robot.hat.protocol import commands
+from robot.hat.wire.ports import other_ports
+from robot.hat.wire.wire import PortNotOpenedError
 
-BAUD = 115_200
-TOGETHER_S = 0.003
-"""How long to wait for the rest of a line [s]; a line of 21 bytes takes 2 ms to arrive. Waking up
-for each part of it would double the processor load."""
+if sys.platform == "win32":
+    from robot.hat.wire.windows import WindowsWire as SystemWire
+else:
+    from robot.hat.wire.unix import UnixWire as SystemWire
 
 STUCK_S = 3.0
 """A port that takes no byte for this time is given up [s]."""
 
 MODEL = Path("/proc/device-tree/model")
 RP1_MODELS = re.compile(r"Raspberry Pi (?:5|500|Compute Module 5)\b")
-PTY_MAJORS = range(136, 144)
-
-RASPI_CONFIG = "sudo raspi-config, Interface Options, Serial Port: login shell no, hardware yes"
+PATIENCE_S = 1.0
+"""Longest time for sending the stop [s]; a line of 63 bytes takes 5 ms."""
 
 
 def find_device(model: Path = MODEL) -> str:
-    """Return the serial port on this Pi's header; on a Pi 5 /dev/serial0 is another connector."""
+    """Return the serial port on this Pi's header; on a Pi 5 /dev/serial0 is another connector.
+
+    Raises:
+        PortError: no Pi has this operating system.
+    """
+    if sys.platform == "win32":
+        raise PortError(f"a Build HAT is on a Raspberry Pi; {other_ports('COM3')}")
     try:
         name = model.read_text(encoding="utf-8", errors="replace")
     except OSError:
@@ -55,15 +56,10 @@ class SerialPort:
         self._clock = clock
         self._waiting = bytearray()
         self._moved = clock()
-        self._port = serial.Serial(None, BAUD, timeout=0, write_timeout=0, exclusive=True)
-        self._port.port = device
         try:
-            self._port.open()
-            self._fd: int = self._port.fileno()
-            _refuse_others(self._fd)
-        except (OSError, ValueError) as error:
-            self._port.close()
-            raise PortError(_reason(device, error)) from error
+            self._wire = SystemWire(device)
+        except PortNotOpenedError as error:
+            raise PortError(str(error)) from error
 
     def put(self, data: bytes) -> None:
         """Queue bytes to be sent when the port takes them; never blocks."""
@@ -80,17 +76,9 @@ class SerialPort:
         try:
             if self._waiting:
                 self._write()  # usually there is room, and no need to wait for it
-            writing = [self._fd] if self._waiting else []
-            readable, _, _ = select.select([self._fd], writing, [], max(0.0, seconds))
-            if readable:
-                select.select([], [], [], TOGETHER_S)
-            data = os.read(self._fd, 4096) if readable else b""
-        except BlockingIOError:
-            return b""
+            data = self._wire.read(seconds, sending=bool(self._waiting))
         except OSError as error:
-            raise PortError(f"{self.device} is gone: {error.strerror}") from error
-        if readable and not data:
-            raise PortError(f"{self.device} is gone")
+            raise self._gone(error) from error
         if self._waiting and self._clock() - self._moved > STUCK_S:
             raise PortError(
                 f"{self.device} accepts no data; has the device or program behind it stopped?"
@@ -110,57 +98,27 @@ class SerialPort:
             self.exchange(min(end - self._clock(), 0.01))
         while not self._waiting and self._clock() < end:
             try:
-                if not self._port.out_waiting:
+                if not self._wire.unsent():
                     return True
             except OSError as error:
-                raise PortError(f"{self.device} is gone: {error.strerror}") from error
-            select.select([], [], [], 0.001)
+                raise self._gone(error) from error
+            time.sleep(0.001)
         return False
 
     def close(self) -> None:
         """Close the port; may be called twice."""
-        self._port.close()
+        self._wire.close()
 
     def _write(self) -> None:
-        # pyserial's own write spins while a port is full.
-        try:
-            written = os.write(self._fd, self._waiting)
-        except BlockingIOError:
-            return
+        written = self._wire.write(self._waiting)
         if written:
             del self._waiting[:written]
             self._moved = self._clock()
 
-
-def _refuse_others(fd: int) -> None:
-    """Let no other program open the port, not even one that ignores locks.
-
-    A pseudo-terminal is excepted: its other end outlives a killed program, and the refusal with it.
-    """
-    if os.major(os.fstat(fd).st_rdev) not in PTY_MAJORS:
-        fcntl.ioctl(fd, termios.TIOCEXCL)
-
-
-def _reason(device: str, error: OSError | ValueError) -> str:
-    """Return why a port cannot be opened, and what to do."""
-    match error.errno if isinstance(error, OSError) else None:
-        case errno.ENOENT | errno.ENXIO | errno.ENODEV:
-            return f"there is no serial port {device}; switch it on: {RASPI_CONFIG}; then reboot"
-        case errno.EACCES | errno.EPERM:
-            return (
-                f"no permission to open {device}; take it: sudo usermod -aG dialout $USER; "
-                "then log in again"
-            )
-        case errno.EBUSY | errno.EAGAIN:
-            return (
-                f"another program has {device} open; end it, or if it is the login shell: "
-                f"{RASPI_CONFIG}; then reboot"
-            )
-    return f"{device} cannot be opened as a serial port: {error}"
-
-
-PATIENCE_S = 1.0
-"""Longest time for sending the stop [s]; a line of 63 bytes takes 5 ms."""
+    def _gone(self, error: OSError) -> PortError:
+        if not error.strerror:
+            return PortError(f"{self.device} is gone")
+        return PortError(f"{self.device} is gone: {error.strerror}")
 
 
 def stop_motors(device: str) -> None:

@@ -1,4 +1,4 @@
-"""Monitors the board's power: its voltage, and the faults that the board reports."""
+"""Monitors the board's supply: its voltage, and the faults that the board reports."""
 
 from __future__ import annotations
 

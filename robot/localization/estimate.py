@@ -12,6 +12,10 @@ from enum import Enum, StrEnum, auto
 
 from robot.geometry import Array, Pose2
 
+ONLY_PLACE = 0.95
+"""Weight above which a hypothesis counts as the only place. What is claimed, what a search confirms
+and what may be learnt at a place go by the same weight, or they would contradict one another."""
+
 
 class State(StrEnum):
     """How far the estimate can be relied on."""
@@ -65,7 +69,7 @@ SEARCHING = Integrity(State.SEARCHING)
 """The claim while nothing is known."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Hypothesis:
     """One place where the robot may be: a cluster of particles or boxes, or a Gaussian."""
 

@@ -14,7 +14,7 @@ from robot.geometry import Array, Pose2, compose, covariance_root
 from robot.localization.estimate import Hypothesis, Standing
 from robot.localization.models.entry_field import EntryField
 from robot.localization.models.motion_models import MotionModel
-from robot.localization.models.sensor_models import SensorModel
+from robot.localization.models.sensor_models import SensorModel, sensor_model
 from robot.localization.parameters import (
     FilterParameters,
     HypothesisParameters,
@@ -68,6 +68,27 @@ class Setup:
             parameters,
         )
 
+    @classmethod
+    def of_field(
+        cls, field: Field, parameters: LocalizationParameters, entries: EntryField | None = None
+    ) -> Setup:
+        """Return a setup on a field with the models that the parameters name.
+
+        Args:
+            field: where the robot drives.
+            parameters: of models and filter.
+            entries: the field's table of distances, if it exists already.
+        """
+        sensor = parameters.sensor
+        if entries is None:
+            entries = EntryField.build(
+                field,
+                resolution=sensor.field_resolution,
+                max_distance=sensor.laser_likelihood_max_dist,
+            )
+        model = sensor_model(sensor, entries, field.edges)
+        return cls.of(field, entries, parameters.motion.model(), model, parameters)
+
     @property
     def reach(self) -> tuple[float, float]:
         """Shortest and longest range that are trusted [m]."""
@@ -97,7 +118,7 @@ def _half(field: Field) -> float:
     return min((kind.width for kind in field.tape), default=math.inf) / 2
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Cloud:
     """Weighted poses that represent a belief; any filter can be displayed as one."""
 

@@ -26,7 +26,7 @@ class StepError(BrickPoseError, ValueError):
     """A step cannot be taken now; the message says which one can."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class HandStep:
     """A step that was taken, and what it did to the particles."""
 

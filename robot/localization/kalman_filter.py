@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 
@@ -19,15 +18,13 @@ from robot.geometry import (
 from robot.localization.estimate import Hypothesis, Standing
 from robot.localization.filter import Cloud, Setup
 from robot.localization.models.motion_models import MotionModel, loosened
-from robot.localization.scan_matching import ScanMatcher
+from robot.localization.scan_matching import GATE_SDS, ScanMatcher
 from robot.scan import Scan, rays_of
 
 SHOWN = 200
 """Number of poses drawn from the belief for display."""
-WIDEST_GATE = 0.15
+WIDEST_GATE_M = 0.15
 """Widest gate: with a larger residual, a range more likely measures another edge [m]."""
-GATE = 10.0
-"""Largest residual of a range that measures the edge, in standard deviations."""
 LEAST_VARIANCE = 1e-12
 """Least variance of a pose: the squares of 0.001 mm and 0.001 mrad [m², rad²]."""
 
@@ -173,8 +170,8 @@ class KalmanFilter:
         reach = float(np.median(scan.ranges[scan.hit]))
         place = float(np.linalg.eigvalsh(self._covariance[:2, :2])[1])
         unsure = self.doubt * math.sqrt(max(place, 0.0) + reach**2 * self._covariance[2, 2])
-        gate = max(self.matcher.gate, min(2 * unsure, WIDEST_GATE))
-        return replace(self.matcher, sd=math.hypot(self.matcher.sd, unsure), gate=gate)
+        gate = max(self.matcher.gate, min(2 * unsure, WIDEST_GATE_M))
+        return self.matcher._replace(sd=math.hypot(self.matcher.sd, unsure), gate=gate)
 
 
 def matcher_of(setup: Setup) -> ScanMatcher:
@@ -186,7 +183,7 @@ def matcher_of(setup: Setup) -> ScanMatcher:
     sensor = setup.parameters.sensor
     sd = sensor.sigma_hit / math.sqrt(sensor.likelihood_weight)
     return ScanMatcher(
-        setup.field.edge_index, sensor.laser_max_range, sd, GATE * sd, sensor.sigma_slope
+        setup.field.edge_index, sensor.laser_max_range, sd, GATE_SDS * sd, sensor.sigma_slope
     )
 
 

@@ -23,7 +23,7 @@ PIECE = 4096
 HEADINGS = 360
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Landscape:
     """Log-weights of a scan in the cells of the field, at one heading."""
 

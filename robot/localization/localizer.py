@@ -8,19 +8,22 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from robot.fields.field import Field
 from robot.geometry import Array, Pose2
 from robot.localization.estimate import SEARCHING, Estimate, Hypothesis, Integrity, State
 from robot.localization.filter import Cloud, Filter, Setup
-from robot.localization.grid.grid_filter import GridFilter
 from robot.localization.hypotheses.multi_hypothesis import MultiHypothesisFilter
 from robot.localization.kalman_filter import KalmanFilter
 from robot.localization.monitoring.claims import claim, propagate_claim
 from robot.localization.monitoring.doubt import NO_DOUBT
 from robot.localization.monitoring.monitor import Monitor
-from robot.localization.parameters import FilterParameters
+from robot.localization.parameters import FilterParameters, LocalizationParameters
 from robot.localization.particles.particle_filter import ParticleFilter
 from robot.localization.refinement import Refinement
 from robot.scan import Scan
+
+MIN_DESCRIBED_WEIGHT = 0.9
+"""From this total weight on, the hypotheses alone describe a filter's belief."""
 
 
 class Localizer:
@@ -64,6 +67,17 @@ class Localizer:
         """Return a localizer with the parameters and models of a setup."""
         parameters = setup.parameters.filter
         return cls(belief, parameters, Refinement.of(setup), setup.reach, monitor)
+
+    @classmethod
+    def of_field(
+        cls,
+        field: Field,
+        parameters: LocalizationParameters = LocalizationParameters(),
+        seed: int = 0,
+    ) -> Localizer:
+        """Return a localizer on a field, at its start pose, with the filter of the parameters."""
+        setup = Setup.of_field(field, parameters)
+        return cls.of(make_filter(setup, np.random.default_rng(seed)), setup)
 
     def use(self, setup: Setup) -> None:
         """Take the parameters and models of a setup from the next scan on."""
@@ -228,15 +242,18 @@ class ParticleTracks:
         return ParticleFilter.of(setup, self.rng, share)
 
 
+def _grid_filter(setup: Setup, _rng: np.random.Generator) -> Filter:
+    from robot.localization.grid.grid_filter import GridFilter  # noqa: PLC0415 - few choose it
+
+    return GridFilter.of(setup)
+
+
 MAKERS: dict[str, Callable[[Setup, np.random.Generator], Filter]] = {
     "hypotheses": lambda setup, rng: MultiHypothesisFilter(setup, ParticleTracks(rng), rng),
     "particles": ParticleFilter.of,
     "kalman": KalmanFilter.of,
-    "grid": lambda setup, _: GridFilter.of(setup),
+    "grid": _grid_filter,
 }
-
-MIN_DESCRIBED_WEIGHT = 0.9
-"""From this total weight on, the hypotheses alone describe a filter's belief."""
 
 
 def make_filter(setup: Setup, rng: np.random.Generator) -> Filter:

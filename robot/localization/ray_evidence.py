@@ -10,11 +10,12 @@ scanner's own rules find no tape (``robot.fields.visibility``).
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from robot import ray_columns as column
+from robot.compiling import compiled
 from robot.fields.edge_index import EdgeIndex
 from robot.fields.field import Field
 from robot.fields.ray_casting import cast_toward
@@ -45,13 +46,19 @@ END = 0.06
 ACROSS = 0.06
 """If a ray leaves tape by its end before it crosses this width [m], it may find it too narrow."""
 
+_DUE, _BEHIND, _MET_X, _MET_Y, _SEEN, _THING = range(6)
+"""Columns of what rays meet (n, 6): the distance of the expected edge [m], infinite without one;
+that of the edge behind it [m], if the expected edge may be missed, else infinite; where the ray
+meets the expected edge [m]; 0 if the ray meets no edge, or one that is hidden or at the border of
+its sight, 1 if the edge may be missed at its end, 2 if it should be seen; 1 if something lies there
+that is not drawn, else 0."""
 
-@dataclass(frozen=True, slots=True)
-class RayEvidence:
-    """Weighs poses by the rays that return and the rays that do not."""
 
-    index: EdgeIndex = field(repr=False)
-    sight: Visibility = field(repr=False)
+class RayEvidence(NamedTuple):
+    """Weighs poses by rays that return and rays that do not; compiled functions use it, too."""
+
+    edge_index: EdgeIndex
+    sight: Visibility
     """Which edges the scanner sees."""
     range_max: float
     """How far rays reach [m]."""
@@ -78,9 +85,10 @@ class RayEvidence:
 
         If no ray returns, any empty part of the floor fits. Nothing on the floor is drawn there.
         """
-        ranges = rays[:, 3]
+        ranges = rays[:, column.RANGE]
         returned = ranges[np.isfinite(ranges)]
-        things = math.log(THING) * int((rays[:, 7] < rays[:, 8]).sum())
+        hidden = rays[:, column.HIDDEN_FROM] < rays[:, column.HIDDEN_TO]
+        things = math.log(THING) * int(hidden.sum())
         if not len(returned):
             return things / len(ranges)
         worse = BACKGROUND_LOSS * len(returned) + BACKGROUND_MISS_LOSS * (
@@ -94,139 +102,110 @@ class RayEvidence:
 
     def log_likelihoods(self, poses: Array, rays: Array) -> Array:
         """Return the mean log-likelihood (m,) of rays (n, 9) at each of the poses (m, 3)."""
-        return _at_each(
-            poses,
-            rays,
-            self.index,
-            self.sight,
-            self.range_max,
-            self.sd,
-            self.slope,
-            self.missed,
-        )
+        return _at_each(poses, rays, self)
 
 
-@njit(cache=True, nogil=True)
-def ray_log_likelihood(
-    pose: Array,
-    rays: Array,
-    index: EdgeIndex,
-    sight: Visibility,
-    range_max: float,
-    sd: float,
-    slope: float,
-    missed: float,
-) -> float:
+@compiled()
+def ray_log_likelihood(pose: Array, rays: Array, evidence: RayEvidence) -> float:
     """Return the mean log-likelihood of rays (n, 9) at a pose (3,).
 
     Rays that see nowhere do not count. It is 0 if no ray is left.
     """
-    dues = np.empty((len(rays), 6))
+    dues, range_max = np.empty((len(rays), 6)), evidence.range_max
     c, s = math.cos(pose[2]), math.sin(pose[2])
     for i in range(len(rays)):
-        if math.isnan(rays[i, 4]):
-            dues[i, 4] = 0.0
+        if math.isnan(rays[i, column.NEAR]):
+            dues[i, _SEEN] = 0.0
             continue
-        heading = pose[2] + rays[i, 2]
+        heading = pose[2] + rays[i, column.DIRECTION]
         dx, dy = math.cos(heading), math.sin(heading)
-        near, far = rays[i, 4], min(rays[i, 5], range_max)
-        x = pose[0] + c * rays[i, 0] - s * rays[i, 1] + near * dx
-        y = pose[1] + s * rays[i, 0] + c * rays[i, 1] + near * dy
-        _look(x, y, dx, dy, far - near, rays[i, 7] - near, rays[i, 8] - near, index, sight, dues[i])
+        near, far = rays[i, column.NEAR], min(rays[i, column.FAR], range_max)
+        x = pose[0] + c * rays[i, column.X] - s * rays[i, column.Y] + near * dx
+        y = pose[1] + s * rays[i, column.X] + c * rays[i, column.Y] + near * dy
+        hidden = rays[i, column.HIDDEN_FROM] - near, rays[i, column.HIDDEN_TO] - near
+        _look((x, y), (dx, dy), far - near, hidden, evidence, dues[i])
     total, counted = 0.0, 0
     for i in range(len(rays)):
-        if math.isnan(rays[i, 4]):
+        if math.isnan(rays[i, column.NEAR]):
             continue
         counted += 1
-        if dues[i, 5] > 0:
+        if dues[i, _THING] > 0:
             total += math.log(THING)
-        due, behind = dues[i, 0], dues[i, 1]
-        result = rays[i, 3] - rays[i, 4]
+        due, behind = dues[i, _DUE], dues[i, _BEHIND]
+        result = rays[i, column.RANGE] - rays[i, column.NEAR]
         if math.isfinite(result):
-            wide = sd * (1 + slope * rays[i, 3] * rays[i, 3])
+            slope = evidence.slope
+            wide = evidence.sd * (1 + slope * rays[i, column.RANGE] * rays[i, column.RANGE])
             density = UNEXPECTED_SHARE / range_max
             if math.isfinite(due):
-                density = _density(result - due, wide, range_max, rays[i, 6])
+                density = _density(result - due, wide, range_max, rays[i, column.CLEAR])
             if math.isfinite(behind):
-                density = max(density, _density(result - behind, wide, range_max, rays[i, 6]))
+                farther = _density(result - behind, wide, range_max, rays[i, column.CLEAR])
+                density = max(density, farther)
             total += math.log(density)
-        elif dues[i, 4] > 1 and _is_supported(dues, i, sight.support):
-            total += math.log(missed + SEEN * (1 - rays[i, 6]) * (1 - missed))
+        elif dues[i, _SEEN] > 1 and _is_supported(dues, i, evidence.sight.support):
+            missed = evidence.missed
+            total += math.log(missed + SEEN * (1 - rays[i, column.CLEAR]) * (1 - missed))
     return total / max(counted, 1)
 
 
-@njit(cache=True, nogil=True)
-def _at_each(
-    poses: Array,
-    rays: Array,
-    index: EdgeIndex,
-    sight: Visibility,
-    range_max: float,
-    sd: float,
-    slope: float,
-    missed: float,
-) -> Array:
+@compiled()
+def _at_each(poses: Array, rays: Array, evidence: RayEvidence) -> Array:
     logs = np.empty(len(poses))
     for i in range(len(poses)):
-        logs[i] = ray_log_likelihood(poses[i], rays, index, sight, range_max, sd, slope, missed)
+        logs[i] = ray_log_likelihood(poses[i], rays, evidence)
     return logs
 
 
-@njit(cache=True, nogil=True, inline="always")
+@compiled(inline="always")
 def _look(
-    x: float,
-    y: float,
-    dx: float,
-    dy: float,
+    start: tuple[float, float],
+    way: tuple[float, float],
     reach: float,
-    hidden_from: float,
-    hidden_to: float,
-    index: EdgeIndex,
-    sight: Visibility,
+    hidden: tuple[float, float],
+    evidence: RayEvidence,
     row: Array,
 ) -> None:
-    """Write what a ray meets that starts at (x, y) into ``row`` (6,).
+    """Write what a ray meets into ``row`` (6,).
 
-    The ray is followed over ``reach``, and something was seen on the way from ``hidden_from`` to
-    ``hidden_to`` [m].
-
-    0: distance of the expected edge [m], infinite without one. 1: distance of the edge behind it
-    [m], if the expected edge may be missed; else infinite. 2, 3: x and y where the ray meets the
-    expected edge [m]. 4: 0 if the ray meets no edge, or one that is hidden or at the border
-    of its sight; 1 if the edge may be missed at its end; 2 if it should be seen. 5: 1 if something
-    lies there that is not drawn; else 0.
+    Args:
+        start: x and y of where it starts [m].
+        way: x and y of its direction.
+        reach: how far it is followed [m].
+        hidden: from where to where something was seen on it [m].
+        evidence: the field.
+        row: ``_DUE`` to ``_THING``.
     """
+    x, y = start
+    dx, dy = way
+    hidden_from, hidden_to = hidden
+    index, sight = evidence.edge_index, evidence.sight
     due, edge = cast_toward(x, y, dx, dy, index, reach)
-    row[0], row[1], row[4], row[5] = math.inf, math.inf, 0.0, 0.0
-    hidden = hidden_from < hidden_to and not _is_drawn(
-        x, y, dx, dy, hidden_from, hidden_to, index, sight.inward
-    )
-    if hidden:
-        row[5] = 1.0
+    row[_DUE], row[_BEHIND], row[_SEEN], row[_THING] = math.inf, math.inf, 0.0, 0.0
+    covered = hidden_from < hidden_to and not _is_drawn(start, way, hidden, index, sight.inward)
+    if covered:
+        row[_THING] = 1.0
     if edge < 0:
         return
-    row[0], row[2], row[3] = due, x + due * dx, y + due * dy
-    at_end, across = _met(row[2], row[3], dx, dy, edge, index.edges, sight)
-    hidden = hidden and hidden_from - NEAR < due < hidden_to + NEAR
-    if NEAR < due < reach - FAR / across and not hidden:
-        row[4] = 1.0 if at_end else 2.0
-    if at_end or hidden:
-        past = (max(due, hidden_to) if hidden else due) + 0.005
+    row[_DUE], row[_MET_X], row[_MET_Y] = due, x + due * dx, y + due * dy
+    at_end, across = _met(row[_MET_X], row[_MET_Y], dx, dy, edge, index.edges, sight)
+    covered = covered and hidden_from - NEAR < due < hidden_to + NEAR
+    if NEAR < due < reach - FAR / across and not covered:
+        row[_SEEN] = 1.0 if at_end else 2.0
+    if at_end or covered:
+        past = (max(due, hidden_to) if covered else due) + 0.005
         if past >= reach:
             return
         behind, edge = cast_toward(x + past * dx, y + past * dy, dx, dy, index, reach - past)
         if edge >= 0:
-            row[1] = past + behind
+            row[_BEHIND] = past + behind
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _is_drawn(
-    x: float,
-    y: float,
-    dx: float,
-    dy: float,
-    begin: float,
-    end: float,
+    start: tuple[float, float],
+    way: tuple[float, float],
+    thing: tuple[float, float],
     index: EdgeIndex,
     inward: EdgeIndex,
 ) -> bool:
@@ -234,19 +213,22 @@ def _is_drawn(
 
     A thing that reaches back to the ray's start, or on to infinity, has only one end to compare.
     """
+    x, y = start
+    dx, dy = way
+    begin, end = thing
     if begin <= 0 and math.isinf(end):
         return False
     if begin > 0:
-        start = max(begin - DRAWN, 0.0)
-        if cast_toward(x + start * dx, y + start * dy, dx, dy, index, 2 * DRAWN)[1] < 0:
+        before = max(begin - DRAWN, 0.0)
+        if cast_toward(x + before * dx, y + before * dy, dx, dy, index, 2 * DRAWN)[1] < 0:
             return False
     if math.isinf(end):
         return True
-    start = end - DRAWN
-    return cast_toward(x + start * dx, y + start * dy, dx, dy, inward, 2 * DRAWN)[1] >= 0
+    before = end - DRAWN
+    return cast_toward(x + before * dx, y + before * dy, dx, dy, inward, 2 * DRAWN)[1] >= 0
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _is_supported(dues: Array, ray: int, support: float) -> bool:
     """Whether a ray and its neighbours meet enough of an edge for the scanner to find tape.
 
@@ -257,24 +239,25 @@ def _is_supported(dues: Array, ray: int, support: float) -> bool:
         first -= 1
     while last + 1 < len(dues) and _is_next(dues[last + 1], dues[last], support):
         last += 1
-    return math.hypot(dues[last, 2] - dues[first, 2], dues[last, 3] - dues[first, 3]) >= support
+    dx, dy = dues[last, _MET_X] - dues[first, _MET_X], dues[last, _MET_Y] - dues[first, _MET_Y]
+    return math.hypot(dx, dy) >= support
 
 
-@njit(cache=True, nogil=True, inline="always")
+@compiled(inline="always")
 def _is_next(row: Array, beside: Array, support: float) -> bool:
     """Whether a ray meets the same edge as the ray beside it."""
-    apart = math.hypot(row[2] - beside[2], row[3] - beside[3])
-    return row[4] > 0 and apart <= GAP * support
+    apart = math.hypot(row[_MET_X] - beside[_MET_X], row[_MET_Y] - beside[_MET_Y])
+    return row[_SEEN] > 0 and apart <= GAP * support
 
 
-@njit(cache=True, nogil=True, inline="always")
+@compiled(inline="always")
 def _density(offset: float, sd: float, range_max: float, clear: float) -> float:
     """Return the likelihood density [1/m] of a range that is ``offset`` off the expected edge."""
     peak = SEEN * clear / (sd * math.sqrt(2 * math.pi))
     return peak * math.exp(-0.5 * (offset / sd) ** 2) + STRAY / range_max
 
 
-@njit(cache=True, nogil=True, inline="always")
+@compiled(inline="always")
 def _met(
     x: float, y: float, dx: float, dy: float, edge: int, edges: Array, sight: Visibility
 ) -> tuple[bool, float]:

@@ -13,14 +13,12 @@ import numpy as np
 from robot.covariance import inverse
 from robot.localization.estimate import Hypothesis
 from robot.localization.filter import Setup
-from robot.localization.scan_matching import ScanMatcher
+from robot.localization.scan_matching import GATE_SDS, ScanMatcher
 from robot.scan import Scan, rays_of
 
 FEWEST_BEAMS = 100
 """At least this many rays of a scan are used, if it has them: they cost little here, and each one
 improves the pose."""
-GATE = 10.0
-"""Largest residual of a range that measures the edge, in standard deviations."""
 SLOPE = 25.0
 """Growth of a range's spread with its square [1/m²]: one over the square of the camera's height."""
 NEAR_SHARE = 0.1
@@ -60,14 +58,17 @@ class Refinement:
             return None
         slope = SLOPE if setup.field.tape else 0.0
         sd = sensor.sigma_hit * (NEAR_SHARE if slope else 1.0)
-        gate = GATE * sensor.sigma_hit
+        gate = GATE_SDS * sensor.sigma_hit
         matcher = ScanMatcher(setup.field.edge_index, sensor.laser_max_range, sd, gate, slope)
         believed = BELIEVED if slope else 1.0
         return cls(matcher, max(sensor.max_beams, FEWEST_BEAMS), believed)
 
     def refine(self, hypothesis: Hypothesis, scan: Scan) -> Hypothesis:
         """Return the hypothesis at the pose that fits both the scan and its prior best."""
-        if np.sqrt(np.diag(hypothesis.covariance)[:2].max()) > WIDEST * self.matcher.gate / GATE:
+        if (
+            np.sqrt(np.diag(hypothesis.covariance)[:2].max())
+            > WIDEST * self.matcher.gate / GATE_SDS
+        ):
             return hypothesis
         known = inverse(hypothesis.covariance + MEAN_ERROR)
         match = self.matcher.match(hypothesis.pose, rays_of(scan, self.max_beams), known)

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from robot import ray_columns as column
+from robot.compiling import compiled
 from robot.fields.edge_index import EdgeIndex
 from robot.fields.ray_casting import cast_toward, tangent_at
 from robot.geometry import Array, Pose2
@@ -16,6 +18,8 @@ STEPS = 6
 """Most Gauss-Newton steps; from a few centimetres away, four are enough."""
 TAIL = 9.0
 """Squared residual, in standard deviations, beyond which a ray is an outlier (Cauchy's weights)."""
+GATE_SDS = 10.0
+"""Largest residual of a range that measures the edge, in standard deviations."""
 LENGTHS = 3
 """Number of step lengths that are tried, each half of the one before."""
 WORTH = 1e-6
@@ -23,7 +27,7 @@ WORTH = 1e-6
 thousandth of the pose's standard deviation by the rays."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Match:
     """A pose at which rays fit the map best."""
 
@@ -34,11 +38,10 @@ class Match:
     """Number of rays that fit."""
 
 
-@dataclass(frozen=True, slots=True)
-class ScanMatcher:
-    """Lays rays on the edges of a field."""
+class ScanMatcher(NamedTuple):
+    """Lays rays on the edges of a field; compiled functions use it directly."""
 
-    index: EdgeIndex = field(repr=False)
+    edge_index: EdgeIndex
     range_max: float
     """How far rays reach [m]."""
     sd: float
@@ -59,22 +62,13 @@ class ScanMatcher:
                 stays in directions that the rays do not measure.
         """
         known = np.zeros((3, 3)) if information is None else information
-        result, total, used = fit_rays(
-            pose.to_array(), known, rays, self.index, self.range_max, self.sd, self.gate, self.slope
-        )
+        result, total, used = fit_rays(pose.to_array(), known, rays, self)
         return Match(Pose2(*result.tolist()), total, used)
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def fit_rays(
-    start: Array,
-    known: Array,
-    rays: Array,
-    index: EdgeIndex,
-    range_max: float,
-    sd: float,
-    gate: float,
-    slope: float,
+    start: Array, known: Array, rays: Array, matcher: ScanMatcher
 ) -> tuple[Array, Array, int]:
     """Lay rays on the edges of the map by Gauss-Newton steps.
 
@@ -89,10 +83,7 @@ def fit_rays(
         start: the supposed pose (3,).
         known: its information (3, 3), the inverse of its covariance; zeros if nothing is known.
         rays: (n, 9) as ``rays_of`` returns them.
-        range_max: how far rays reach [m].
-        sd: standard deviation of a range [m].
-        gate: largest residual of a range that measures the edge [m].
-        slope: growth of the spread with the square of a range [1/m²].
+        matcher: the edges, and how exact ranges are.
 
     Returns:
         The pose (3,) that fits, its information (3, 3), and how many rays fit.
@@ -100,9 +91,7 @@ def fit_rays(
     pose = start.copy()
     total, pull = np.empty((3, 3)), np.empty(3)
     next_total, next_pull = np.empty((3, 3)), np.empty(3)
-    used, cost, odd = _normal_equations(
-        pose, start, known, rays, index, range_max, sd, gate, slope, np.inf, total, pull
-    )
+    used, cost, odd = _normal_equations(pose, start, known, rays, matcher, np.inf, total, pull)
     for _ in range(STEPS):
         # The added term keeps the pose in directions of which nothing is known.
         step = np.linalg.solve(total + 1e-3 * np.eye(3), pull)
@@ -112,18 +101,7 @@ def fit_rays(
             ahead = pose + step
             ahead[2] = (ahead[2] + math.pi) % (2 * math.pi) - math.pi
             next_used, next_cost, next_odd = _normal_equations(
-                ahead,
-                start,
-                known,
-                rays,
-                index,
-                range_max,
-                sd,
-                gate,
-                slope,
-                np.inf,
-                next_total,
-                next_pull,
+                ahead, start, known, rays, matcher, np.inf, next_total, next_pull
             )
             if next_cost < cost:
                 break
@@ -131,27 +109,24 @@ def fit_rays(
         if next_cost >= cost:
             break
         pose, used, cost, odd = ahead, next_used, next_cost, next_odd
-        total[:], pull[:] = next_total, next_pull
+        for i in range(3):
+            pull[i] = next_pull[i]
+            for j in range(3):
+                total[i, j] = next_total[i, j]
     if odd:
         # Beyond TAIL, Cauchy's cost is curved the other way: such a ray gives no reliable
         # information.
-        _normal_equations(
-            pose, start, known, rays, index, range_max, sd, gate, slope, TAIL, total, pull
-        )
+        _normal_equations(pose, start, known, rays, matcher, TAIL, total, pull)
     return pose, total, used
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _normal_equations(
     pose: Array,
     start: Array,
     known: Array,
     rays: Array,
-    index: EdgeIndex,
-    range_max: float,
-    sd: float,
-    gate: float,
-    slope: float,
+    matcher: ScanMatcher,
     farthest: float,
     total: Array,
     pull: Array,
@@ -165,27 +140,31 @@ def _normal_equations(
         The cost is the prior's and Cauchy's of all residuals; a ray that returned something and
         fits no edge costs as much as one at the gate.
     """
+    index, range_max, sd, gate, slope = matcher
     offset = start - pose
     offset[2] = (offset[2] + math.pi) % (2 * math.pi) - math.pi
-    total[:] = known
-    pull[:] = known @ offset
+    known_pull = known @ offset
+    for i in range(3):
+        pull[i] = known_pull[i]
+        for j in range(3):
+            total[i, j] = known[i, j]
     cost = float(offset @ pull)
     most = _cauchy((gate / sd) ** 2)
     c, s = math.cos(pose[2]), math.sin(pose[2])
     used = odd = 0
     for i in range(len(rays)):
-        near = rays[i, 4]
-        if math.isnan(near) or not math.isfinite(rays[i, 3]):
+        near = rays[i, column.NEAR]
+        if math.isnan(near) or not math.isfinite(rays[i, column.RANGE]):
             continue
         # The start of the ray, which moves when the robot turns.
-        ahead = c * rays[i, 0] - s * rays[i, 1]
-        aside = s * rays[i, 0] + c * rays[i, 1]
-        heading = pose[2] + rays[i, 2]
+        ahead = c * rays[i, column.X] - s * rays[i, column.Y]
+        aside = s * rays[i, column.X] + c * rays[i, column.Y]
+        heading = pose[2] + rays[i, column.DIRECTION]
         dx, dy = math.cos(heading), math.sin(heading)
         x, y = pose[0] + ahead + near * dx, pose[1] + aside + near * dy
         expected, edge = cast_toward(x, y, dx, dy, index, range_max - near)
         expected += near
-        if edge < 0 or abs(rays[i, 3] - expected) > gate:
+        if edge < 0 or abs(rays[i, column.RANGE] - expected) > gate:
             cost += most
             continue
         met = expected - near
@@ -197,7 +176,7 @@ def _normal_equations(
         # The spread is that of the end's distance from the edge, so a grazing ray says less.
         spread = sd * (1 + slope * expected * expected)
         weight = across * across / ((ex * ex + ey * ey) * spread * spread)
-        square = weight * (rays[i, 3] - expected) ** 2
+        square = weight * (rays[i, column.RANGE] - expected) ** 2
         cost += _cauchy(square)
         used += 1
         odd += square > TAIL
@@ -205,20 +184,20 @@ def _normal_equations(
             continue
         weight /= 1 + square / TAIL
         _add_outer(total, weight, by_x, by_y, by_theta)
-        residual = weight * (rays[i, 3] - expected)
+        residual = weight * (rays[i, column.RANGE] - expected)
         pull[0] += residual * by_x
         pull[1] += residual * by_y
         pull[2] += residual * by_theta
     return used, cost, odd
 
 
-@njit(cache=True, nogil=True, inline="always")
+@compiled(inline="always")
 def _cauchy(square: float) -> float:
     """Return Cauchy's cost of a squared residual: it limits the influence of outliers."""
     return TAIL * math.log1p(square / TAIL)
 
 
-@njit(cache=True, nogil=True, inline="always")
+@compiled(inline="always")
 def _add_outer(total: Array, weight: float, a: float, b: float, c: float) -> None:
     total[0, 0] += weight * a * a
     total[1, 1] += weight * b * b

@@ -1,4 +1,4 @@
-"""The algorithms as Probabilistic Robotics (Thrun, Burgard, Fox) prints them, in plain NumPy.
+"""The textbook's algorithms, as Probabilistic Robotics (Thrun, Burgard, Fox) prints them, in NumPy.
 
 The program runs compiled versions (``robot.localization.kernels``, ``robot.localization.models``).
 These tables are for reading, and the tests compare the compiled versions with them.
@@ -16,6 +16,11 @@ from robot.fields.ray_casting import cast_rays
 from robot.geometry import Array, Pose2, wrap_angle
 from robot.localization.models.sensor_models import SensorParameters
 from robot.scan import Scan
+
+SampleMotionModel = Callable[[Array, Pose2, np.random.Generator], Array]
+"""Poses (n, 3) and a step by odometry to poses (n, 3)."""
+MeasurementModel = Callable[[Array, Scan], Array]
+"""Poses (n, 3) and a scan to log-likelihoods (n,)."""
 
 
 def low_variance_sampler(weights: Array, count: int, rng: np.random.Generator) -> list[int]:
@@ -111,6 +116,8 @@ def likelihood_field_range_finder_model(
 ) -> Array:
     """Table 6.3, likelihood field: log-likelihood (n,) of a scan at poses (n, 3), up to a constant.
 
+    With ``sigma_slope`` 0 and a distance that ignores headings, it is the book's to the letter.
+
     Args:
         poses: (n, 3) [m, m, rad] in the map; rays start at the robot's origin.
         bearings: (k,) [rad] of the rays, in the robot frame.
@@ -131,12 +138,6 @@ def likelihood_field_range_finder_model(
         q = p.z_hit * np.exp(-(dist**2) / (2 * sigma**2)) + p.z_rand / p.laser_max_range
         log_q[n] = np.log(q).sum()
     return log_q
-
-
-SampleMotionModel = Callable[[Array, Pose2, np.random.Generator], Array]
-"""Poses (n, 3) and a step by odometry to poses (n, 3)."""
-MeasurementModel = Callable[[Array, Scan], Array]
-"""Poses (n, 3) and a scan to log-likelihoods (n,)."""
 
 
 def mcl(

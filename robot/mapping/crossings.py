@@ -30,7 +30,7 @@ class Crossings(NamedTuple):
     """(m,) where they saw bare floor."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class BareFloor:
     """How often bare floor was seen where a map has tape."""
 

@@ -33,7 +33,8 @@ def drawing(tidy: TidyStrokes, width: float, start: Pose2, title: str) -> str:
     paths = "\n".join(f'    <path d="{path}"/>' for path in _paths(tidy))
     return f"""\
 <svg xmlns="http://www.w3.org/2000/svg" width="{across:g}mm" height="{down:g}mm" \
-viewBox="{left:g} {top:g} {across:g} {down:g}" data-start="{begin}">
+viewBox="{left:g} {top:g} {across:g} {down:g}" data-start="{begin}" \
+data-tape="{1e3 * width:g}">
   <title>{escape(title)}</title>
   <rect x="{left:g}" y="{top:g}" width="{across:g}" height="{down:g}" fill="#d7d5cf"/>
   <!-- Inside, y points up as it does in the map. -->
@@ -75,10 +76,10 @@ def _paths(tidy: TidyStrokes) -> list[str]:
 
 def _path(chain: Sequence[Stroke], ring: bool) -> str:
     parts = [f"M {_shown(chain[0].nodes[0])}"]
-    for place, stroke in enumerate(chain):
+    for index, stroke in enumerate(chain):
         if stroke.curved:
             parts.append(_curve(stroke))
-        elif not ring or place < len(chain) - 1:
+        elif not ring or index < len(chain) - 1:
             parts.append(f"L {_shown(stroke.nodes[1])}")
     if ring or chain[0].closed:
         parts.append("Z")

@@ -1,4 +1,4 @@
-"""Changes that people make to a finished map."""
+"""Edits that people make to a finished map: strokes left out, moved at an end, or joined."""
 
 from __future__ import annotations
 

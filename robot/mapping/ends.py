@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from robot.calibration.adjustment import State
+from robot.calibration.adjustment import DriveEstimate
 from robot.calibration.drive_log import DriveLog
 from robot.calibration.sightings import Sightings
 from robot.calibration.wheel_motion import WheelMotion
@@ -35,7 +35,7 @@ BENT, BEND_OFF = 0.08, 0.005
 straight ahead only while the bend is off that line by less than the second [m]."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class RaysOnFloor:
     """All rays of a drive, on the floor; points (n, 2) in the map [m], nan where there is none."""
 
@@ -53,7 +53,7 @@ class RaysOnFloor:
     """(n,) of which picture."""
 
     @classmethod
-    def of(cls, log: DriveLog, spec: RobotSpec, state: State) -> RaysOnFloor:
+    def of(cls, log: DriveLog, spec: RobotSpec, state: DriveEstimate) -> RaysOnFloor:
         """Return the rays of a drive, from its adjusted path."""
         count, rays = len(log.stamps), len(log.rays)
         fan = np.broadcast_to(log.rays.transpose(1, 0, 2).reshape(-1, 2), (count, 2 * rays, 2))
@@ -72,7 +72,7 @@ class RaysOnFloor:
         return cls(begin, end, first, until, entry, leaving, picture)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class End:
     """One end of a stroke."""
 

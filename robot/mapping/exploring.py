@@ -110,7 +110,7 @@ def best_view(sketch: Sketch, visited: Array, pose: Pose2) -> Pose2 | None:
     return Pose2.from_array(views[best]) if enough[best] else None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Hull:
     """The convex hull of tape."""
 

@@ -39,7 +39,7 @@ FEWEST_ON_SIDE = 3
 """Fewest points on each side of it."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Lengthwise:
     """What rays met that is not of known tape."""
 

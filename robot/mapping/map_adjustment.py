@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from robot.calibration.adjustment import Adjustment, State, Weights
+from robot.calibration.adjustment import Adjustment, DriveEstimate, Weights
 from robot.calibration.sightings import Sightings
-from robot.calibration.unknowns import COUNT
 from robot.calibration.wheel_motion import WheelMotion
+from robot.description.unknowns import COUNT
 from robot.geometry import Array
 from robot.mapping.strokes import Strokes
 
@@ -36,10 +36,10 @@ class MapAdjustment(Adjustment):
         super().__init__(seen, motion, start, covariance)
         self._strokes = strokes
 
-    def _sightings(self, state: State) -> Sightings:
+    def _sightings(self, state: DriveEstimate) -> Sightings:
         return replace(self._seen, tape=self._strokes.moved_by(state.map).edges)
 
-    def _prior(self, state: State, weights: Weights) -> tuple[Array, Array]:
+    def _prior(self, state: DriveEstimate, weights: Weights) -> tuple[Array, Array]:
         robot, information = super()._prior(state, weights)
         size = COUNT + len(state.map)
         whole = np.zeros((size, size))

@@ -14,11 +14,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from robot.calibration.adjustment import Solution, State, Weights
+from robot.calibration.adjustment import DriveEstimate, Solution, Weights
 from robot.calibration.drive_log import DriveLog
 from robot.calibration.sightings import Sightings
 from robot.calibration.tracking import laid, predicted
-from robot.calibration.unknowns import (
+from robot.calibration.wheel_motion import WheelMotion
+from robot.description.spec import RobotSpec
+from robot.description.unknowns import (
     COUNT,
     LEFT,
     PRIORS,
@@ -26,8 +28,6 @@ from robot.calibration.unknowns import (
     SEPARATION,
     TAPE,
 )
-from robot.calibration.wheel_motion import WheelMotion
-from robot.description.spec import RobotSpec
 from robot.geometry import Array, Pose2
 from robot.mapping.crossings import BareFloor, is_tape
 from robot.mapping.cutting import without_gaps
@@ -45,7 +45,7 @@ from robot.mapping.stroke_fitting import FINE_SPACING, SPACING, fit_stroke
 from robot.mapping.strokes import Stroke, Strokes
 from robot.mapping.tape_map import MappingError, TapeMap
 from robot.mapping.tidying import tidied
-from robot.mapping.tracing import Cells, Middles, trace
+from robot.mapping.tracing import MiddleCells, Middles, trace
 
 WINDOW, WINDOW_SHARE = 8, 0.015
 """The window grows by at least the first [pictures], and by at least the second, a share of all.
@@ -71,7 +71,7 @@ ROUNDS = 5
 """How often strokes get more nodes, at most."""
 
 
-class Stage(NamedTuple):
+class AdjustmentStage(NamedTuple):
     """How an adjustment is made."""
 
     gate: float
@@ -82,9 +82,9 @@ class Stage(NamedTuple):
     """Most iterations."""
 
 
-GROWING = Stage(0.03, 8.0, 3)
+GROWING = AdjustmentStage(0.03, 8.0, 3)
 """While the map grows, strokes are rough."""
-WHOLE = (Stage(0.03, 1.0, 15), Stage(0.02, 1.0, 15))
+WHOLE = (AdjustmentStage(0.03, 1.0, 15), AdjustmentStage(0.02, 1.0, 15))
 """Of the whole drive, one after the other."""
 
 
@@ -118,7 +118,7 @@ class Mapper:
             self._sd[TAPE] = RULER_SD
         else:
             self._sd[[LEFT, RIGHT, SEPARATION]] = WHEELS_SD
-        self._state = State(np.zeros(COUNT), self._start[None].copy(), np.zeros((1, 2)))
+        self._state = DriveEstimate(np.zeros(COUNT), self._start[None].copy(), np.zeros((1, 2)))
         self._covariance = np.diag(START_SD**2)
         self._strokes = self._nothing
         self._solution: Solution | None = None
@@ -235,7 +235,7 @@ class Mapper:
     def _part(self, count: int) -> tuple[Sightings, WheelMotion]:
         return self._seen.part(0, count), WheelMotion.of(self._log.until(count), self._spec)
 
-    def _followed(self, seen: Sightings, motion: WheelMotion) -> State:
+    def _followed(self, seen: Sightings, motion: WheelMotion) -> DriveEstimate:
         """Return the state with the poses of all pictures of the window."""
         state, covariance = self._state, self._covariance
         known, total = len(state.poses), len(motion.stamps)
@@ -264,10 +264,12 @@ class Mapper:
         middles = Middles.of(points, state.poses, self._width)
         least = 2 if count <= 2 * WINDOW else 3
         # While the path is rough, what was seen a few times may be a second copy of other tape.
-        cells = Cells.of(middles, least, sparse=spacing == FINE_SPACING)
+        cells = MiddleCells.of(middles, least, sparse=spacing == FINE_SPACING)
         self._strokes = Strokes.of(_traced(cells, spacing), self._width)
 
-    def _adjust(self, count: int, stages: Sequence[Stage], start_sd: Array = LOOSE_SD) -> Solution:
+    def _adjust(
+        self, count: int, stages: Sequence[AdjustmentStage], start_sd: Array = LOOSE_SD
+    ) -> Solution:
         last = self._solution
         errors = last.misses.pixels if last is not None and len(last.state.poses) == count else None
         for stage in stages:
@@ -290,7 +292,7 @@ def _check(log: DriveLog) -> None:
         raise MappingError("the robot stood still; it has to drive")
 
 
-def _traced(cells: Cells, spacing: float) -> tuple[Stroke, ...]:
+def _traced(cells: MiddleCells, spacing: float) -> tuple[Stroke, ...]:
     lines = trace(cells)
     fitted = [fit_stroke(line, bool(np.array_equal(line[0], line[-1])), spacing) for line in lines]
     return tuple(stroke for stroke in fitted if stroke is not None)

@@ -1,4 +1,4 @@
-"""Chooses the pictures of a drive that a map is drawn from."""
+"""Chooses the pictures that a map is drawn from: one for each step that the robot has moved."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robot.calibration.drive_log import DriveLog
-from robot.calibration.unknowns import COUNT
 from robot.calibration.wheel_motion import WheelMotion
 from robot.description.spec import RobotSpec
+from robot.description.unknowns import COUNT
 
 STEP_M, STEP_RAD = 0.02, 0.05
 """A picture is used if the robot moved or turned at least this far since the last one."""

@@ -1,4 +1,4 @@
-"""Finds in a drive when the robot moved otherwise than its wheels tell."""
+"""Finds in a drive when the robot was pushed: it moved otherwise than its wheels tell."""
 
 from __future__ import annotations
 

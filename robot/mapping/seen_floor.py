@@ -24,7 +24,7 @@ FRACTION_BITS = 4
 """Corners of polygons are rounded to a sixteenth of a cell."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SeenFloor:
     """Where the camera has looked: along each ray until it first met an edge of anything."""
 

@@ -1,4 +1,4 @@
-"""A map as far as it is drawn: what people look at while the robot drives."""
+"""A sketch: the map as far as it is drawn, for people to look at while the robot drives."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ MOST_POINTS = 1500
 """Most of the points at which edges were seen."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Sketch:
     """Centre lines, path, and where edges were seen; all in the map."""
 

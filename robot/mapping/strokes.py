@@ -26,7 +26,7 @@ OVERLAP = 0.002
 """The edges of neighbouring lines of a curve overlap by this [m]."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Stroke:
     """The centre line of a piece of tape."""
 
@@ -143,7 +143,7 @@ class Stroke:
         return CubicSpline(self.knots, values, bc_type="not-a-knot")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class StrokeEdges(TapeEdges):
     """The edges of strokes; an unknown of each node is how far it lies beside where it was drawn.
 
@@ -197,7 +197,7 @@ class StrokeEdges(TapeEdges):
         return part
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Strokes:
     """All strokes of a map, as they were traced, and how far their nodes were moved since."""
 

@@ -35,7 +35,7 @@ class MappingError(BrickPoseError, ValueError):
     """The drive does not show enough of the floor; the message says why."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class TapeMap:
     """A map, and the drive that it was drawn from."""
 

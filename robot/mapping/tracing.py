@@ -39,7 +39,7 @@ ASIDE = 0.014
 """Cells within this distance of a line belong to it [m]."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Middles:
     """Points on the centre lines of tape, as pictures saw them."""
 
@@ -82,8 +82,8 @@ class Middles:
         return cls(np.column_stack([x, y]), np.mod(direction, math.pi), picture)
 
 
-@dataclass(frozen=True)
-class Cells:
+@dataclass(frozen=True, eq=False)
+class MiddleCells:
     """Middles that lie close together and have about the same direction, as their means."""
 
     points: Array
@@ -96,7 +96,7 @@ class Cells:
     """(c,) whether enough pictures saw it, without those around it."""
 
     @classmethod
-    def of(cls, middles: Middles, least_pictures: int, *, sparse: bool) -> Cells:
+    def of(cls, middles: Middles, least_pictures: int, *, sparse: bool) -> MiddleCells:
         """Return the cells that at least this many pictures saw.
 
         Args:
@@ -148,7 +148,7 @@ def _pictures(
     return np.bincount(seen // most, minlength=len(own))
 
 
-def trace(cells: Cells) -> list[Array]:
+def trace(cells: MiddleCells) -> list[Array]:
     """Return lines, each (n, 2) points [m] in order, the most often seen first.
 
     A closed line repeats its first point.
@@ -163,14 +163,14 @@ def trace(cells: Cells) -> list[Array]:
     return [line for line in lines if len(line) > 2 and _is_sure(line, cells)]
 
 
-def _is_sure(line: Array, cells: Cells) -> bool:
+def _is_sure(line: Array, cells: MiddleCells) -> bool:
     """Return whether enough of a line's cells were seen often by themselves."""
     away, _ = cKDTree(line).query(cells.points)
     return float(cells.sure[away < ASIDE].mean()) >= LEAST_SURE
 
 
 class _Tracer:
-    def __init__(self, cells: Cells) -> None:
+    def __init__(self, cells: MiddleCells) -> None:
         self._cells = cells
         self._tree = cKDTree(cells.points)
         self.free = np.ones(len(cells.points), bool)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from robot.calibration.adjustment import Solution, residual_sd
-from robot.calibration.unknowns import COUNT
+from robot.description.unknowns import COUNT
 from robot.geometry import Array
 from robot.mapping.strokes import Strokes
 

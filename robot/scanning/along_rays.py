@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from robot.compiling import compiled
 from robot.geometry import Array
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def between(row: NDArray[np.floating], position: float) -> float:
     """Return the value of a row (m,) between samples, by the parabola through the nearest three."""
     i = min(max(int(position + 0.5), 1), len(row) - 2)
@@ -18,7 +18,7 @@ def between(row: NDArray[np.floating], position: float) -> float:
     return float(current + 0.5 * part * (after - before + part * (before - 2 * current + after)))
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def points_of(edges: Array, distances: Array, directions: Array) -> Array:
     """Convert pairs [samples] to points (k, p, 4) [m]: x and y of the entry, then of the exit.
 
@@ -41,7 +41,7 @@ def points_of(edges: Array, distances: Array, directions: Array) -> Array:
     return points
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def ranges_of(
     lines: Array,
     pairs: Array,
@@ -79,7 +79,7 @@ def ranges_of(
     return ranges, edges
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def hidden_of(
     pairs: Array,
     single: Array,
@@ -119,7 +119,7 @@ def hidden_of(
     return hidden
 
 
-@njit(cache=True, nogil=True, inline="always")
+@compiled(inline="always")
 def _sample_at(reach: float, distances: Array, position: float) -> float:
     """Return the position [samples] of a distance [m] along a ray, from one that is near; else -1.
 
@@ -133,7 +133,7 @@ def _sample_at(reach: float, distances: Array, position: float) -> float:
     return max(position, 0.0) if -1.0 < position < len(distances) else -1.0
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def unskew(
     ranges: Array,
     lines: Array,

@@ -10,9 +10,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from robot.compiling import compiled
 from robot.geometry import Array
 from robot.scanning.edge_curves import distance, fit_line, squared, taper, width
 from robot.scanning.tape_edges import NEIGHBOURS, Verdict
@@ -38,7 +38,7 @@ BESIDE = 1
 _COUNTED = int(Verdict.COUNTED)
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def judge_dashes(
     pairs: Array,
     met: NDArray[np.int32],
@@ -77,7 +77,7 @@ def judge_dashes(
                     break
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _collect_around(pairs: Array, ray: int, pair: int, reach: float, window: Array) -> int:
     """Collect the pairs within a reach [m] of one, which comes first; return how many.
 
@@ -95,7 +95,7 @@ def _collect_around(pairs: Array, ray: int, pair: int, reach: float, window: Arr
     return count
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _dashes_at(
     window: Array, count: int, kind: Array, limits: tuple[float, float, float], curve: Array
 ) -> float:
@@ -131,7 +131,7 @@ def _dashes_at(
     return mean if abs(mean - kind[0]) <= min(width_tolerance, MEAN_SLACK * kind[0]) else -1.0
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _on_line(
     window: Array,
     count: int,
@@ -155,7 +155,7 @@ def _on_line(
     return collected
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _is_longer(chain: Array, count: int, dash: float) -> bool:
     """Return whether an edge goes on for longer than a dash, on rays that would show a gap."""
     order = np.argsort(chain[:count, 4])
@@ -171,7 +171,7 @@ def _is_longer(chain: Array, count: int, dash: float) -> bool:
     return False
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _extent(chain: Array, count: int, curve: Array) -> float:
     """Return how far entries extend along a line [m]."""
     first, last = np.inf, -np.inf

@@ -11,8 +11,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
+from robot.compiling import compiled
 from robot.geometry import Array
 
 ROUNDS = 4
@@ -23,7 +23,7 @@ FEWEST = 6
 """Smallest number of entries for an arc or a parabola."""
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def fit_line(chain: Array, first: int, last: int, curve: Array) -> None:
     """Fit a line through the entries first..last of a chain (n, 4), by total least squares."""
     count = last - first + 1
@@ -45,7 +45,7 @@ def fit_line(chain: Array, first: int, last: int, curve: Array) -> None:
     curve[3] = _worst(chain, first, last, curve)
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def fit_arc(chain: Array, first: int, last: int, curve: Array) -> None:
     """Bend the line that ``fit_line`` wrote to the curve, by Gauss-Newton on true distances.
 
@@ -67,7 +67,7 @@ def fit_arc(chain: Array, first: int, last: int, curve: Array) -> None:
     curve[3] = _worst(chain, first, last, curve)
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _step(chain: Array, first: int, last: int, curve: Array) -> tuple[float, float, float]:
     """Return how far to shift the curve [m], turn it [rad] and bend it [1/m] for a better fit."""
     n = last - first + 1
@@ -93,7 +93,7 @@ def _step(chain: Array, first: int, last: int, curve: Array) -> tuple[float, flo
     return level, -slope, -2 * bend
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _worst(chain: Array, first: int, last: int, curve: Array) -> float:
     worst = 0.0
     for i in range(first, last + 1):
@@ -101,7 +101,7 @@ def _worst(chain: Array, first: int, last: int, curve: Array) -> float:
     return worst
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def taper(chain: Array, first: int, last: int, curve: Array) -> float:
     """Return how much the width changes from end to end of an edge, by its linear trend [m]."""
     squares = product = mean = 0.0
@@ -114,7 +114,7 @@ def taper(chain: Array, first: int, last: int, curve: Array) -> float:
     return abs(product / squares) * math.sqrt(squared(chain[first], chain[last]))
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def bow(chain: Array, first: int, last: int, curve: Array, middle: int) -> float:
     """Return how far a curved edge is off its line at an entry [m]; 0 if it is straight.
 
@@ -146,7 +146,7 @@ def bow(chain: Array, first: int, last: int, curve: Array, middle: int) -> float
     return float(product / total * (t * t - tilt * t - level))
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def meet(x: float, y: float, curve: Array, line: Array) -> None:
     """Write to ``line`` (3,) the tangent of a curve where the ray to a point (x, y) meets it.
 
@@ -167,7 +167,7 @@ def meet(x: float, y: float, curve: Array, line: Array) -> None:
     line[2] = reach * (line[0] * dx + line[1] * dy)
 
 
-@njit(cache=True, nogil=True, inline="always")
+@compiled(inline="always")
 def _normal(x: float, y: float, curve: Array, normal: Array) -> None:
     """Compute the unit normal of a curve at the curve's point nearest to (x, y)."""
     k = curve[5]
@@ -178,7 +178,7 @@ def _normal(x: float, y: float, curve: Array, normal: Array) -> None:
     normal[0], normal[1] = nx / size, ny / size
 
 
-@njit(cache=True, nogil=True, inline="always")
+@compiled(inline="always")
 def distance(x: float, y: float, curve: Array) -> float:
     """Return the signed distance of a point from a curve, positive on the rays' side [m]."""
     u = curve[0] * x + curve[1] * y - curve[2]
@@ -190,20 +190,20 @@ def distance(x: float, y: float, curve: Array) -> float:
     return float(double / (1 + math.sqrt(max(1 + k * double, 0.0))))
 
 
-@njit(cache=True, nogil=True, inline="always")
+@compiled(inline="always")
 def place(x: float, y: float, curve: Array) -> float:
     """Return a point's coordinate along a curve's tangent, from the curve's middle [m]."""
     return float(curve[1] * x - curve[0] * y - curve[4])
 
 
-@njit(cache=True, nogil=True, inline="always")
+@compiled(inline="always")
 def width(chain: Array, i: int, curve: Array) -> float:
     """Return the distance from an entry to its exit across a curve [m]."""
     leaving = distance(chain[i, 2], chain[i, 3], curve)
     return float(abs(leaving - distance(chain[i, 0], chain[i, 1], curve)))
 
 
-@njit(cache=True, nogil=True, inline="always")
+@compiled(inline="always")
 def squared(a: Array, b: Array) -> float:
     """Return the squared distance of two entries [m²]."""
     return float((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]))

@@ -11,9 +11,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from robot.compiling import compiled
 from robot.geometry import Array
 from robot.scanning.picture_noise import (
     CONTRAST,
@@ -38,10 +38,10 @@ SLANTED = 8.0
 """If a ray crosses an edge at a slant, the search is stretched by at most this factor."""
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def find_edges(
     picture: NDArray[np.uint8],
-    places: NDArray[np.uint32],
+    pixel_indices: NDArray[np.uint32],
     counts: NDArray[np.int32],
     pixels: NDArray[np.float32],
     apart: int,
@@ -53,7 +53,7 @@ def find_edges(
 
     Args:
         picture: (h, w)
-        places: (k, m) pixel of each sample, counted row by row.
+        pixel_indices: (k, m) pixel of each sample, counted row by row.
         counts: (k,) samples in use on each ray.
         pixels: (k, m, 2) positions of the samples in the picture.
         apart: number of samples to the next one that shares no pixel with the first.
@@ -69,12 +69,12 @@ def find_edges(
         width of the kernel chosen for the noise [samples]; the probability (k,) that tape on a ray
         is found.
     """
-    grey = sample_rays(picture, places, counts)
+    grey = sample_rays(picture, pixel_indices, counts)
     noise = noise_of(grey, counts, apart)
     half, weakest = kernel_for(noise, kernel, threshold)
-    answers = differences(grey, counts, half)
+    responses = differences(grey, counts, half)
     if light:
-        answers = -answers
+        responses = -responses
     edges = np.full((len(counts), PAIRS, 2), np.nan)
     met = np.zeros(len(counts), dtype=np.int32)
     pairs = np.zeros((PAIRS, 2, 2), dtype=np.int32)
@@ -84,13 +84,13 @@ def find_edges(
         if counts[ray] == 0:
             met[ray] = -1
             continue
-        met[ray] = find_pairs(answers[ray, : counts[ray]], half, weakest, pairs, single[ray])
+        met[ray] = find_pairs(responses[ray, : counts[ray]], half, weakest, pairs, single[ray])
         for pair in range(met[ray] // 2):
             for side in range(2):
-                place, length = pairs[pair, side, 0], pairs[pair, side, 1]
-                room = (min(place, counts[ray] - 1 - place) + 1) / (kernel + REACH / PARTS)
+                sample, length = pairs[pair, side, 0], pairs[pair, side, 1]
+                room = (min(sample, counts[ray] - 1 - sample) + 1) / (kernel + REACH / PARTS)
                 scale = max(1.0, min(room, length / _sharp(half), SLANTED))
-                edges[ray, pair, side] = refine(flat, width, pixels[ray], place, kernel, scale)
+                edges[ray, pair, side] = refine(flat, width, pixels[ray], sample, kernel, scale)
     return (
         edges,
         met,
@@ -101,45 +101,45 @@ def find_edges(
     )
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def sample_rays(
-    picture: NDArray[np.uint8], places: NDArray[np.uint32], counts: NDArray[np.int32]
+    picture: NDArray[np.uint8], pixel_indices: NDArray[np.uint32], counts: NDArray[np.int32]
 ) -> NDArray[np.int16]:
     """Return the grey levels (k, m) of the pixels next to each sample.
 
-    Only the first ``counts`` (k,) levels of a ray are filled in. ``places`` (k, m) are indices of
-    pixels, counted row by row.
+    Only the first ``counts`` (k,) levels of a ray are filled in. ``pixel_indices`` (k, m) are
+    counted row by row.
     """
     pixels = picture.ravel()
-    grey = np.empty(places.shape, dtype=np.int16)
+    grey = np.empty(pixel_indices.shape, dtype=np.int16)
     for ray in range(len(counts)):
         for i in range(counts[ray]):
-            grey[ray, i] = pixels[places[ray, i]]
+            grey[ray, i] = pixels[pixel_indices[ray, i]]
     return grey
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def differences(grey: NDArray[np.int16], counts: NDArray[np.int32], half: int) -> NDArray[np.int16]:
     """Return (k, m) the sum of ``half`` samples ahead minus those behind; 0 near a ray's ends."""
-    answers = np.zeros(grey.shape, dtype=np.int16)
+    responses = np.zeros(grey.shape, dtype=np.int16)
     start = half + 1
     for ray in range(len(counts)):
         size = counts[ray] - 2 * start
         if size <= 0:
             continue
-        inner = answers[ray, start : start + size]
+        inner = responses[ray, start : start + size]
         for away in range(1, half + 1):
             ahead = grey[ray, start + away : start + away + size]
             behind = grey[ray, start - away : start - away + size]
             # The conversion lets the compiler process 32 samples at once.
             for i in range(size):
                 inner[i] += np.int16(ahead[i] - behind[i])
-    return answers
+    return responses
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def find_pairs(
-    answer: NDArray[np.int16],
+    response: NDArray[np.int16],
     half: int,
     threshold: float,
     pairs: NDArray[np.int32],
@@ -151,7 +151,7 @@ def find_pairs(
     entries in a row, the sharpest is kept. It forms a pair with the first exit after it.
 
     Args:
-        answer: (m,) row of ``differences`` of the ray.
+        response: (m,) row of ``differences`` of the ray.
         half: half width of the kernel [samples].
         threshold: weakest edge that counts [grey levels].
         pairs: (PAIRS, 2, 2) output: position and length of entry and exit [samples].
@@ -164,69 +164,69 @@ def find_pairs(
     weakest = math.ceil(threshold * half)
     result = sharpest = stop = 0
     single[:] = np.nan
-    for i in range(len(answer)):
+    for i in range(len(response)):
         # Most samples are not on an edge, and need no more than this test.
-        if abs(answer[i]) < weakest or i < stop:
+        if abs(response[i]) < weakest or i < stop:
             continue
-        stop = _run_end(answer, i, weakest)
-        peak, place = _top(answer, i, stop, half)
+        stop = _run_end(response, i, weakest)
+        peak, sample = _top(response, i, stop, half)
         if peak < sharpest:
             sharpest = peak
-            pairs[result, 0, 0], pairs[result, 0, 1] = place, stop - i
+            pairs[result, 0, 0], pairs[result, 0, 1] = sample, stop - i
         elif peak > 0 and sharpest < 0:
             sharpest = 0
-            pairs[result, 1, 0], pairs[result, 1, 1] = place, stop - i
+            pairs[result, 1, 0], pairs[result, 1, 1] = sample, stop - i
             result += 1
             if result == PAIRS:
                 break
         elif peak > 0 and result == 0:
-            single[0] = place
+            single[0] = sample
     if sharpest < 0:
         single[1] = pairs[result, 0, 0]
     return 2 * result + (sharpest < 0)
 
 
-@njit(cache=True, nogil=True)
-def _run_end(answer: NDArray[np.int16], start: int, weakest: int) -> int:
+@compiled()
+def _run_end(response: NDArray[np.int16], start: int, weakest: int) -> int:
     """Return the first sample after ``start`` that is below the threshold or has the other sign."""
-    darker = answer[start] < 0
-    for i in range(start + 1, len(answer)):
-        if abs(answer[i]) < weakest or (answer[i] < 0) != darker:
+    darker = response[start] < 0
+    for i in range(start + 1, len(response)):
+        if abs(response[i]) < weakest or (response[i] < 0) != darker:
             return i
-    return len(answer)
+    return len(response)
 
 
-@njit(cache=True, nogil=True)
-def _top(answer: NDArray[np.int16], start: int, stop: int, half: int) -> tuple[int, int]:
+@compiled()
+def _top(response: NDArray[np.int16], start: int, stop: int, half: int) -> tuple[int, int]:
     """Return the strongest response of a run, and the position of its edge.
 
     The edge is where the response is strongest. In a run longer than that of a sharp edge, it is
     the run's centroid, because noise can put the top of a wide hill anywhere.
     """
-    peak = place = total = moment = 0
+    peak = sample = total = moment = 0
     for i in range(start, stop):
-        size = abs(answer[i])
+        size = abs(response[i])
         if size > abs(peak):
-            peak, place = answer[i], i
+            peak, sample = response[i], i
         total += size
         moment += size * (i - start)
     if stop - start > _sharp(half):
-        place = start + (2 * moment + total) // (2 * total)
-    return peak, place
+        sample = start + (2 * moment + total) // (2 * total)
+    return peak, sample
 
 
-@njit(cache=True, nogil=True, inline="always")
+@compiled(inline="always")
 def _sharp(half: int) -> int:
     """Return the longest run [samples] of a sharp edge that the ray crosses at a right angle."""
     return 2 * half + 2
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def refine(
     picture: NDArray[np.uint8],
     width: int,
     pixels: NDArray[np.float32],
-    place: int,
+    sample: int,
     half: int,
     scale: float,
 ) -> float:
@@ -239,35 +239,35 @@ def refine(
     Args:
         picture: (h * w,) all pixels, row by row, ``width`` in a row.
         pixels: (m, 2) positions of the ray's samples in the picture.
-        place: sample where the edge was found.
+        sample: the one where the edge was found.
         half: half width of the kernel [samples].
         scale: how many times wider than the kernel the edge is; the search is stretched by it.
     """
     wide, ends = half * PARTS, half * PARTS + REACH
     total = np.zeros(2 * ends + 2)
-    u, v = float(pixels[place, 0]), float(pixels[place, 1])
-    du = (pixels[place + 1, 0] - pixels[place - 1, 0]) * (scale / (2 * PARTS))
-    dv = (pixels[place + 1, 1] - pixels[place - 1, 1]) * (scale / (2 * PARTS))
+    u, v = float(pixels[sample, 0]), float(pixels[sample, 1])
+    du = (pixels[sample + 1, 0] - pixels[sample - 1, 0]) * (scale / (2 * PARTS))
+    dv = (pixels[sample + 1, 1] - pixels[sample - 1, 1]) * (scale / (2 * PARTS))
     far_u, far_v = ends * abs(du), ends * abs(dv)
     height = len(picture) // width
     if not (far_u <= u < width - 1 - far_u and far_v <= v < height - 1 - far_v):
-        return float(place)
+        return float(sample)
     for j in range(2 * ends + 1):
         u_j, v_j = u + (j - ends) * du, v + (j - ends) * dv
         total[j + 1] = total[j] + _between(picture, width, u_j, v_j)
     best, top = 0, -1.0
     for j in range(_NEAR - REACH, REACH - _NEAR + 1):
-        size = _answer(total, wide, j)
+        size = _response(total, wide, j)
         if size > top:
             best, top = j, size
-    before, after = _answer(total, wide, best - _NEAR), _answer(total, wide, best + _NEAR)
+    before, after = _response(total, wide, best - _NEAR), _response(total, wide, best + _NEAR)
     bend = before - 2 * top + after
     shift = 0.5 * _NEAR * (before - after) / bend if bend < 0 else 0.0
-    return float(place + scale * (best + shift) / PARTS)
+    return float(sample + scale * (best + shift) / PARTS)
 
 
-@njit(cache=True, nogil=True, inline="always")
-def _answer(total: Array, wide: int, shift: int) -> float:
+@compiled(inline="always")
+def _response(total: Array, wide: int, shift: int) -> float:
     """Return the size of the difference between the sums ahead and behind, from running totals."""
     position = wide + REACH + shift
     ahead, behind = (
@@ -277,7 +277,7 @@ def _answer(total: Array, wide: int, shift: int) -> float:
     return float(abs(ahead - behind))
 
 
-@njit(cache=True, nogil=True, inline="always")
+@compiled(inline="always")
 def _between(pixels: NDArray[np.uint8], width: int, u: float, v: float) -> float:
     """Return the brightness of a point between four pixels."""
     column, row = int(u), int(v)

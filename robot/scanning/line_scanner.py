@@ -30,7 +30,7 @@ from robot.scanning.tape_edges import Verdict, judge_pairs
 __all__ = ["LineScan", "LineScanner", "LineScannerSettings"]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class LineScan:
     """Result of one picture: the scan, and everything needed to explain it."""
 
@@ -72,7 +72,7 @@ class LineScan:
     @property
     def grey(self) -> NDArray[np.uint8]:
         """(k, m) brightness along the rays, computed on request."""
-        return self.picture.ravel()[self.table.places]
+        return self.picture.ravel()[self.table.pixel_indices]
 
     @property
     def response(self) -> NDArray[np.float32]:
@@ -208,7 +208,7 @@ class LineScanner:
         table, wanted = self.table, self.settings
         pairs, met, single, noise, kernel, clear = find_edges(
             picture,
-            table.places,
+            table.pixel_indices,
             table.counts,
             table.pixels,
             self._apart,

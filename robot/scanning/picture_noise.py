@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from robot.compiling import compiled
 from robot.geometry import Array
 
 CERTAIN = 3.5
@@ -27,7 +27,7 @@ judged too, are included. Measured on simulated pictures at a noise of 3 to 40 a
 0.15."""
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def noise_of(grey: NDArray[np.int16], counts: NDArray[np.int32], apart: int) -> float:
     """Return the standard deviation of the picture's noise [grey levels].
 
@@ -54,7 +54,7 @@ def noise_of(grey: NDArray[np.int16], counts: NDArray[np.int32], apart: int) -> 
     return float(median / (0.6745 * math.sqrt(6.0)))
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def kernel_for(noise: float, kernel: int, threshold: float) -> tuple[int, float]:
     """Return the edge kernel's half width and the threshold for a picture's noise [grey levels].
 
@@ -67,7 +67,7 @@ def kernel_for(noise: float, kernel: int, threshold: float) -> tuple[int, float]
     return half, max(threshold, CERTAIN * noise * math.sqrt(2 / half))
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def clearness(
     grey: NDArray[np.int16],
     counts: NDArray[np.int32],

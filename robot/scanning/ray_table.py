@@ -21,7 +21,7 @@ BESIDE_PX = 1.5
 extends up to a sample beyond a ray's ends."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class RayTable:
     """k rays around a centre on the floor, each a row of at most m samples in the picture."""
 
@@ -35,7 +35,7 @@ class RayTable:
     """(k, m) distance of each sample from the centre [m], increasing along a row."""
     pixels: NDArray[np.float32] = field(repr=False)
     """(k, m, 2) position of each sample in the picture."""
-    places: NDArray[np.uint32] = field(repr=False)
+    pixel_indices: NDArray[np.uint32] = field(repr=False)
     """(k, m) index of the pixel nearest to each sample, counted row by row."""
 
     @staticmethod
@@ -91,7 +91,7 @@ def _built(
         counts=counts,
         distances=np.stack([_pad(distances, longest) for distances, _ in rows]),
         pixels=pixels.astype(np.float32),
-        places=(lines * view.lens.width + columns).astype(np.uint32),
+        pixel_indices=(lines * view.lens.width + columns).astype(np.uint32),
     )
 
 

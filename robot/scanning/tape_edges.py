@@ -11,9 +11,9 @@ from __future__ import annotations
 from enum import IntEnum
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from robot.compiling import compiled
 from robot.geometry import Array
 from robot.scanning.edge_curves import (
     bow,
@@ -65,7 +65,7 @@ _NOT_STRAIGHT = int(Verdict.NOT_STRAIGHT)
 _WRONG_WIDTH = int(Verdict.WRONG_WIDTH)
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def judge_pairs(
     pairs: Array,
     met: NDArray[np.int32],
@@ -113,7 +113,7 @@ def judge_pairs(
             verdict, across = judge_chain(chain, left, right, limits, curve)
             if pair == 0 or verdict == _COUNTED or verdict > verdicts[ray]:
                 chosen[ray], verdicts[ray], widths[ray] = pair, verdict, across
-                curves[ray] = curve
+                _copy(curve, curves[ray])
             if verdict == _COUNTED:
                 break
     sure = verdicts == _COUNTED
@@ -125,11 +125,17 @@ def judge_pairs(
         if verdicts[ray] == _COUNTED:
             meet(entry[0], entry[1], curves[ray], lines[ray])
         else:
-            lines[ray] = curves[ray, :3]
+            _copy(curves[ray, :3], lines[ray])
     return chosen, verdicts, widths, lines
 
 
-@njit(cache=True, nogil=True)
+@compiled()
+def _copy(source: Array, target: Array) -> None:
+    for j in range(len(source)):
+        target[j] = source[j]
+
+
+@compiled()
 def width_error(tape_widths: Array, across: float) -> float:
     """Return how far a width is off the nearest of the widths of tape (n,) [m]; inf without any."""
     error = np.inf
@@ -138,7 +144,7 @@ def width_error(tape_widths: Array, across: float) -> float:
     return error
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _go_on(
     pairs: Array,
     step: int,
@@ -172,11 +178,12 @@ def _go_on(
             near = squared(pairs[ray, pair], last) <= (GAP * support) ** 2
             if near and abs(distance(x, y, curve)) <= straightness:
                 chosen[ray], verdicts[ray] = pair, _COUNTED
-                curves[ray], widths[ray] = curves[beside], widths[beside]
+                widths[ray] = widths[beside]
+                _copy(curves[beside], curves[ray])
                 break
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def judge_chain(
     chain: Array,
     left: int,
@@ -217,7 +224,7 @@ def judge_chain(
         fit_line(chain, first, last, trial)
         straight = trial[3] <= straightness and taper(chain, first, last, trial) <= max_taper
         if straight or trial[3] < curve[3]:
-            curve[:] = trial
+            _copy(trial, curve)
             verdict = _NOT_STRAIGHT
         if straight:
             curve[2] += bow(chain, first, last, curve, middle)
@@ -231,12 +238,12 @@ def judge_chain(
             continue
         bent = _fit_bend(chain, first, last, limits, trial)
         if bent > 0:
-            curve[:] = trial
+            _copy(trial, curve)
             return _COUNTED, bent
     return verdict, across
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _fit_bend(
     chain: Array,
     first: int,
@@ -261,7 +268,7 @@ def _fit_bend(
     return across if taper(chain, first, last, curve) <= max_taper else -1.0
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _collect(pairs: Array, ray: int, pair: int, step: int, support: float, chain: Array) -> int:
     """Collect neighbouring entries on one side until they span the support; return how many."""
     rays, most, _ = pairs.shape

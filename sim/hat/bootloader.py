@@ -11,82 +11,28 @@ from collections.abc import Callable, Generator
 from enum import Enum, auto
 
 from robot.errors import CommandError
-from sim.hat.words import Words
+from sim.hat.words import CommandWords
 
 STX, ETX = 0x02, 0x03
 
 TIME_OUT = 1.0
 """The upload fails after waiting longer than this for the next byte [s]."""
-
-
-class Stage(Enum):
-    """State of an upload: what it waits for, or how it ended."""
-
-    START = auto()
-    DATA = auto()
-    END = auto()
-    COMPLETE = auto()
-    TIMED_OUT = auto()
-
-
-class Upload:
-    """One upload; ``data`` is complete when ``stage`` is COMPLETE.
-
-    Bytes before STX, and between the last byte of data and ETX, are skipped; they do not extend
-    the time-out.
-    """
-
-    def __init__(self, length: int) -> None:
-        self.stage = Stage.START
-        self.data = bytearray()
-        self._length = length
-        self._waited = 0.0
-
-    def receive(self, byte: int) -> None:
-        """Take the next byte from the line."""
-        if self.stage is Stage.START and byte == STX:
-            self._go_on(Stage.DATA if self._length else Stage.END)
-        elif self.stage is Stage.DATA:
-            self.data.append(byte)
-            self._go_on(Stage.DATA if len(self.data) < self._length else Stage.END)
-        elif self.stage is Stage.END and byte == ETX:
-            self._go_on(Stage.COMPLETE)
-
-    def tick(self, seconds: float) -> None:
-        """Let time pass [s]."""
-        self._waited += seconds
-        # The small term allows for the rounding of added milliseconds.
-        if self._waited > TIME_OUT + 1e-6:
-            self.stage = Stage.TIMED_OUT
-
-    def _go_on(self, stage: Stage) -> None:
-        self.stage = stage
-        self._waited = 0.0
-
-
 VERSION = "1631704133 2021-09-15T12:08:53+01:00"
 """The version that real boards report."""
-
 PROMPT = "BHBL> "
 MAX_IMAGE = 245_760
 SIGNATURE_LENGTH = 64
 MAX_LINE = 256
-
 START_UP = 0.01
 """Period of the start-up [s]. At the end of each period, one byte received meanwhile is dropped;
 the start-up ends when there is none left."""
-
 RING = 4096
 """Size of its input ring buffer; one byte of it always stays empty."""
-
 BEFORE_JUMP = 0.1
 """Time between ``Rebooting...`` and the first instruction of the firmware [s]."""
-
 CR, BACKSPACE, DELETE = 0x0D, 0x08, 0x7F
-
 COMMANDS = ("help", "?", "load", "signature", "clear", "verify", "reboot", "version")
 """A shortened word means the first command that begins with it: ``v`` is verify."""
-
 HELP = (
     "help, ?                   this list",
     "version                   the bootloader's version",
@@ -96,12 +42,55 @@ HELP = (
     "verify                    check the image against its signature",
     "reboot                    verify, then start the image",
 )
-
 PUBLIC_KEY = hashlib.sha512(b"no key: the emulated board accepts any signature").digest()
 """Arbitrary bytes instead of the board's key."""
-
 Work = Generator[None, None, None]
 """Execution of a line; it pauses during an upload or a reboot."""
+
+
+class UploadStage(Enum):
+    """State of an upload: what it waits for, or how it ended."""
+
+    START = auto()
+    DATA = auto()
+    END = auto()
+    COMPLETE = auto()
+    TIMED_OUT = auto()
+
+
+class IncomingUpload:
+    """One upload; ``data`` is complete when ``stage`` is COMPLETE.
+
+    Bytes before STX, and between the last byte of data and ETX, are skipped; they do not extend
+    the time-out.
+    """
+
+    def __init__(self, length: int) -> None:
+        self.stage = UploadStage.START
+        self.data = bytearray()
+        self._length = length
+        self._waited = 0.0
+
+    def receive(self, byte: int) -> None:
+        """Take the next byte from the line."""
+        if self.stage is UploadStage.START and byte == STX:
+            self._go_on(UploadStage.DATA if self._length else UploadStage.END)
+        elif self.stage is UploadStage.DATA:
+            self.data.append(byte)
+            self._go_on(UploadStage.DATA if len(self.data) < self._length else UploadStage.END)
+        elif self.stage is UploadStage.END and byte == ETX:
+            self._go_on(UploadStage.COMPLETE)
+
+    def tick(self, seconds: float) -> None:
+        """Let time pass [s]."""
+        self._waited += seconds
+        # The small term allows for the rounding of added milliseconds.
+        if self._waited > TIME_OUT + 1e-6:
+            self.stage = UploadStage.TIMED_OUT
+
+    def _go_on(self, stage: UploadStage) -> None:
+        self.stage = stage
+        self._waited = 0.0
 
 
 def checksum(data: bytes) -> int:
@@ -130,7 +119,7 @@ class Bootloader:
         self._put = put
         self._line = bytearray()
         self._work: Work | None = None
-        self._upload: Upload | None = None
+        self._upload: IncomingUpload | None = None
         self._pause = START_UP
         self._spurious = 0
         self._starting = True
@@ -167,15 +156,15 @@ class Bootloader:
         else:
             self._go_on()
 
-    def _look_at_upload(self, upload: Upload) -> None:
-        if upload.stage in (Stage.COMPLETE, Stage.TIMED_OUT):
+    def _look_at_upload(self, upload: IncomingUpload) -> None:
+        if upload.stage in (UploadStage.COMPLETE, UploadStage.TIMED_OUT):
             self._go_on()
 
     def _edit(self, byte: int) -> None:
         if byte == CR:
             self._print("")
             line, self._line = bytes(self._line), bytearray()
-            self._work = self._execute(Words(line))
+            self._work = self._execute(CommandWords(line))
             self._go_on()
         elif byte in (BACKSPACE, DELETE):
             if self._line:
@@ -193,7 +182,7 @@ class Bootloader:
         except StopIteration:
             self._work = None
 
-    def _execute(self, words: Words) -> Work:
+    def _execute(self, words: CommandWords) -> Work:
         try:
             while words.next_command():
                 yield from self._command(words)
@@ -203,7 +192,7 @@ class Bootloader:
             self._print("Error")
         self._put(PROMPT.encode())
 
-    def _command(self, words: Words) -> Work:
+    def _command(self, words: CommandWords) -> Work:
         name = words.choice(COMMANDS)
         if name == "load":
             yield from self._load(words)
@@ -227,7 +216,7 @@ class Bootloader:
             if name != "version":
                 self._print("Commands available:", *(f"  {line}" for line in HELP))
 
-    def _load(self, words: Words) -> Work:
+    def _load(self, words: CommandWords) -> Work:
         self.image = b""
         length, expected = words.unsigned(), words.unsigned()
         if length > MAX_IMAGE:
@@ -241,7 +230,7 @@ class Bootloader:
         self._print("Checksum OK")
         self.image = data
 
-    def _sign(self, words: Words) -> Work:
+    def _sign(self, words: CommandWords) -> Work:
         if words.unsigned() != SIGNATURE_LENGTH:
             self._print("", f"Incorrect signature length (should be{SIGNATURE_LENGTH} bytes)")
             raise CommandError("a signature has another length")
@@ -249,10 +238,10 @@ class Bootloader:
         self._print("", "Signature received")
 
     def _take(self, length: int) -> Generator[None, None, bytes]:
-        upload = self._upload = Upload(length)
+        upload = self._upload = IncomingUpload(length)
         yield
         self._upload = None
-        if upload.stage is Stage.TIMED_OUT:
+        if upload.stage is UploadStage.TIMED_OUT:
             self._print("", "Timed out waiting for data")
             raise CommandError("the data did not come")
         return bytes(upload.data)

@@ -15,6 +15,15 @@ SAMPLE_PERIOD = 0.01
 
 CONNECT_SECONDS = 2.0
 """Usual time from plugging in until a device is usable [s]; real devices take up to 8 to 11 s."""
+POWER, SPEED, POS, APOS, CALIB, STATS = range(6)
+BAUD = 115200
+HARDWARE_VERSION = 0x00000004
+SOFTWARE_VERSION = 0x10000000
+SPEED_UNIT = 10.0
+"""One unit of SPEED [deg/s]."""
+SPEED_LAG = 0.02
+"""Time constant with which the motor smooths its speed [s]; the true one is not known, here it is
+two samples."""
 
 
 class ValueType(IntEnum):
@@ -53,8 +62,6 @@ class Mode:
     """Largest value in ``unit``."""
 
 
-POWER, SPEED, POS, APOS, CALIB, STATS = range(6)
-
 MODES = (
     Mode("POWER", "PCT", ValueType.INT8, 1, 4, 0, raw=100, pct=100, si=100),
     Mode("SPEED", "PCT", ValueType.INT8, 1, 4, 0, raw=100, pct=100, si=100),
@@ -63,17 +70,6 @@ MODES = (
     Mode("CALIB", "CAL", ValueType.INT16, 2, 5, 0, raw=3600, pct=100, si=3600),
     Mode("STATS", "MIN", ValueType.INT16, 14, 5, 0, raw=65535, pct=100, si=65535),
 )
-
-BAUD = 115200
-HARDWARE_VERSION = 0x00000004
-SOFTWARE_VERSION = 0x10000000
-
-SPEED_UNIT = 10.0
-"""One unit of SPEED [deg/s]."""
-
-SPEED_LAG = 0.02
-"""Time constant with which the motor smooths its speed [s]; the true one is not known, here it is
-two samples."""
 
 
 class LegoMotor:

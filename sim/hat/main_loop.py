@@ -5,20 +5,39 @@ from __future__ import annotations
 from collections.abc import Callable
 from datetime import UTC, datetime
 
-from sim.hat.commands import Session, execute
+from sim.hat.commands import FirmwareRun, execute
 from sim.hat.firmware.connection import Connection, SetupFault
 from sim.hat.firmware.port import Port
 from sim.hat.firmware.power import FaultWatch, Power
 from sim.hat.firmware.reports import Writer
 from sim.hat.lego_motor import LegoMotor
 from sim.hat.plants import PORTS
-from sim.hat.words import Words
+from sim.hat.words import CommandWords
 
 LONGEST = 256
 """Longest line [bytes]; further bytes are dropped until the CR."""
 
 CR, BACKSPACE, DELETE = 0x0D, 0x08, 0x7F
 COMMENT = b"#"
+DRIVE_PERIOD = 10
+"""Time between two runs of the controllers [ms]; those of all ports run together."""
+LATE = 2
+"""The firmware reports a pass of the main loop that takes longer than this [ms]."""
+RECEIVE_RING = 8191
+"""Capacity of the receive buffer [bytes]."""
+STARTED = 225
+"""Time at which the main loop begins [ms]."""
+DROPPED_UNTIL = 11
+"""Bytes received up to this time are dropped [ms]."""
+START = (
+    (1, "\r\nType help <RETURN> for help\r\n"),
+    (11, "Initialising ports\r\n"),
+    (111, "Resetting drivers: 0123\r\n"),
+    (220, "Reading driver dumps: before port_initdriver(): 0123\r\n"),
+    (220, "Reading driver dumps: after port_initdriver(): 0123\r\n"),
+    (225, "Done initialising ports\r\n"),
+)
+"""Times after the start [ms] and what the firmware prints at them."""
 
 
 def raw_text(byte: int) -> str:
@@ -31,7 +50,7 @@ class Terminal:
 
     __slots__ = ("_line", "_session")
 
-    def __init__(self, session: Session) -> None:
+    def __init__(self, session: FirmwareRun) -> None:
         self._session = session
         self._line = bytearray()
 
@@ -62,38 +81,12 @@ class Terminal:
         line = bytes(self._line)
         self._line.clear()
         if not line.startswith(COMMENT):
-            execute(self._session, Words(line))
+            execute(self._session, CommandWords(line))
             self.prompt()
 
     def _echo(self, text: str) -> None:
         if self._session.echo:
             self._session.write(text)
-
-
-DRIVE_PERIOD = 10
-"""Time between two runs of the controllers [ms]; those of all ports run together."""
-
-LATE = 2
-"""The firmware reports a pass of the main loop that takes longer than this [ms]."""
-
-RECEIVE_RING = 8191
-"""Capacity of the receive buffer [bytes]."""
-
-STARTED = 225
-"""Time at which the main loop begins [ms]."""
-
-DROPPED_UNTIL = 11
-"""Bytes received up to this time are dropped [ms]."""
-
-START = (
-    (1, "\r\nType help <RETURN> for help\r\n"),
-    (11, "Initialising ports\r\n"),
-    (111, "Resetting drivers: 0123\r\n"),
-    (220, "Reading driver dumps: before port_initdriver(): 0123\r\n"),
-    (220, "Reading driver dumps: after port_initdriver(): 0123\r\n"),
-    (225, "Done initialising ports\r\n"),
-)
-"""Times after the start [ms] and what the firmware prints at them."""
 
 
 def version_text(version: int) -> str:
@@ -128,7 +121,7 @@ class Firmware:
         self.ports = tuple(Port(number, write) for number in range(PORTS))
         self._modes = tuple(port.data for port in self.ports)
         self._connections = tuple(Connection(port, write, has_room) for port in self.ports)
-        self._terminal = Terminal(Session(self.ports, write, power, version, signature))
+        self._terminal = Terminal(FirmwareRun(self.ports, write, power, version, signature))
 
     def skip_start(self) -> None:
         """Continue as if it had run for long: it knows all plugged-in devices."""

@@ -15,6 +15,9 @@ RAIL_V = 7.2
 
 USUAL = "medium angular"
 """Motor of a joint whose description names none."""
+_MEDIUM = (7.2, 951.0, 0.138, 0.021, 0.022, 26_300.0)
+_LARGE = (7.2, 951.0, 0.42, 0.023, 0.045, 20_000.0)
+_SMALL = (6.0, 762.0, 0.053, 0.009, 0.010, 22_000.0)
 
 
 class DeviceError(BrickPoseError, ValueError):
@@ -68,10 +71,6 @@ class MotorFigures:
         """Speed that it would reach without friction [deg/s per V]."""
         return self.torque * self.speed_per_torque / self.volts
 
-
-_MEDIUM = (7.2, 951.0, 0.138, 0.021, 0.022, 26_300.0)
-_LARGE = (7.2, 951.0, 0.42, 0.023, 0.045, 20_000.0)
-_SMALL = (6.0, 762.0, 0.053, 0.009, 0.010, 22_000.0)
 
 MOTOR_FIGURES: Mapping[int, MotorFigures] = {
     item.type_id: item

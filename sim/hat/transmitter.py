@@ -1,4 +1,4 @@
-"""The two directions of the serial line at 115200 baud, and its noise.
+"""Transmitters of the serial line at 115200 baud, one for each direction, and its noise.
 
 A byte takes 86.8 us; buffers can fill; noise spoils bytes.
 """

@@ -18,7 +18,7 @@ MANTISSA_LIMIT = 100_000_000
 """No more digits are collected when a number has reached this value."""
 
 
-class Words:
+class CommandWords:
     """Reader of one command line, with its position."""
 
     __slots__ = ("_at", "_text")

@@ -1,4 +1,4 @@
-"""A serial port without a wire, programs open one end as a device; and Unix sockets."""
+"""A pseudo-terminal: a serial port without a wire, opened as a device; and Unix sockets."""
 
 from __future__ import annotations
 

@@ -9,13 +9,13 @@ import numpy as np
 
 from robot.description.spec import RobotSpec
 from robot.geometry import Pose2
-from sim.bullet import BulletWorld
 from sim.exposures import Exposures
 from sim.floor_camera import CameraSettings
 from sim.hat.motor_figures import MotorFigures
 from sim.hat.plants import FreeMotors, Plants
-from sim.hat_emulator.bullet_wheels import BulletWheels
+from sim.hat_emulator.physics_wheels import PhysicsWheels
 from sim.hat_emulator.picture_server import Shot
+from sim.physics import PhysicsWorld
 from sim.simulated import PastPoses
 from sim.world import World, WorldError
 
@@ -75,10 +75,13 @@ class RobotOnField:
     """A robot that stands on the floor on its wheels, and may have a camera."""
 
     def __init__(
-        self, world: BulletWorld, spec: RobotSpec, figures: Mapping[int, MotorFigures] | None = None
+        self,
+        world: PhysicsWorld,
+        spec: RobotSpec,
+        figures: Mapping[int, MotorFigures] | None = None,
     ) -> None:
         """Put motors on a world made from ``spec``; without ``figures``, ``spec`` names them."""
-        self.plants = BulletWheels(world, spec, figures, self._look)
+        self.plants = PhysicsWheels(world, spec, figures, self._look)
         self._world = world
         self._feed: CameraFeed | None = None
 

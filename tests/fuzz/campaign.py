@@ -1,4 +1,4 @@
-"""Fuzz every target for a long time: ``make fuzz``, or ``MINUTES=60 make fuzz``.
+"""A campaign fuzzes every target for a long time: ``make fuzz``, or ``MINUTES=60 make fuzz``.
 
 Inputs that are refused in new words are kept in memory and changed further. What fails is made as
 small as possible, and kept as a file of the corpus: the tests then fail until it is mended.

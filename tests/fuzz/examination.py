@@ -1,4 +1,4 @@
-"""What is asked of a parser: bytes are taken or refused in a line, soon and in little memory."""
+"""The examination of a parser: bytes are taken or refused in a line, soon, in little memory."""
 
 from __future__ import annotations
 

@@ -15,9 +15,9 @@ from mutations import NUMBERS, changed, changes, mutated, pick
 
 from app.settings.config import Config
 from app.settings.provenance import settings_of
-from robot.calibration.unknowns import NAMES as UNKNOWN_NAMES
-from robot.calibration.unknowns import ROBOT
 from robot.description.spec import SPIKE
+from robot.description.unknowns import NAMES as UNKNOWN_NAMES
+from robot.description.unknowns import ROBOT
 
 
 def joined(lines: Sequence[str]) -> bytes:
@@ -68,20 +68,41 @@ SWEEP = st.builds(
 WORDS = st.sampled_from(
     ["M", "0", "10", "-5", "1e9", "1e999", "nan", "C", "A", "Z", "h", "%", "mm", "none", "black",
      "(", ")", "rotate(", "scale(", "#12", "#123456", "url(#a)", "round", ",", " ", ";", ":", "é",
-     "100", "L", "v-50", "matrix(1 0 0 1 0 0)", "1e-9", "a 5 5 0 0 1 9 9"]
+     "100", "L", "v-50", "matrix(1 0 0 1 0 0)", "1e-9", "a 5 5 0 0 1 9 9", "url(#b)", "#a", "#b",
+     "non-scaling-stroke", "0.5", "inherit", "var(--a, 1)", "evenodd", "stroke", "currentColor",
+     "objectBoundingBox", "fill:none;", "stroke:#111;", "slice", "a", "b"]
 )  # fmt: skip
 NAMES = st.sampled_from(
     ["d", "x", "y", "r", "rx", "cx", "width", "height", "points", "transform", "style", "stroke",
      "stroke-width", "stroke-linejoin", "stroke-dasharray", "fill", "fill-rule", "viewBox", "id",
-     "class", "href", "stroke-miterlimit", "stroke-opacity", "preserveAspectRatio", "color"]
+     "class", "href", "stroke-miterlimit", "stroke-opacity", "preserveAspectRatio", "color",
+     "opacity", "clip-path", "clip-rule", "clipPathUnits", "vector-effect", "paint-order",
+     "overflow", "transform-origin", "requiredExtensions", "mask", "data-tape"]
 )  # fmt: skip
 TAGS = st.sampled_from(
-    ["path", "rect", "circle", "ellipse", "polygon", "polyline", "line", "use", "g", "svg"]
-)
-SHAPES = st.builds(
-    lambda tag, fields: f"<{tag} " + " ".join(f"{n}={v!r}" for n, v in fields.items()) + "/>",
-    TAGS,
-    st.dictionaries(NAMES, st.lists(WORDS, max_size=8).map(" ".join), max_size=6),
+    ["path", "rect", "circle", "ellipse", "polygon", "polyline", "line", "use", "g", "svg",
+     "symbol", "clipPath", "switch", "a", "linearGradient", "stop", "image"]
+)  # fmt: skip
+SHEETS = st.lists(
+    st.sampled_from(
+        ["path", "*", ".a", "#b", " ", ">", "+", "~", ",", ":not(", ":is(", ")", ":nth-child(2n)",
+         "[id", "=a]", "{", "}", "stroke", ":", "#111", ";", "display:none", "!important",
+         "@media screen{", "@import x;", "/*", "*/", "--a:1", "fill:url(#a)", "<![CDATA[", "]]>"]
+    ),
+    max_size=12,
+).map(lambda words: f"<style>{''.join(words)}</style>")  # fmt: skip
+FIELDS = st.dictionaries(NAMES, st.lists(WORDS, max_size=8).map(" ".join), max_size=6)
+SHAPES = st.recursive(
+    SHEETS,
+    lambda inner: st.builds(
+        lambda tag, fields, content: (
+            f"<{tag} {' '.join(f'{n}={v!r}' for n, v in fields.items())}>{''.join(content)}</{tag}>"
+        ),
+        TAGS,
+        FIELDS,
+        st.lists(inner, max_size=2),
+    ),
+    max_leaves=6,
 )
 SVG = st.lists(SHAPES, max_size=4).map(
     lambda shapes: (

@@ -16,37 +16,38 @@ import numpy as np
 from engine_runs import kinematic, run
 from rosbridge_sessions import Client, bridge_of
 
-from app.engine.commands import check
+from app.engine.commands import check, parse
 from app.engine.drivers import Driver, Drivers
 from app.engine.program import Program
 from app.engine.start_pose.pose_file import PoseFileError
 from app.engine.start_pose.pose_file import read as read_pose
-from app.lab.sweep.sweep_file import load_sweep
-from app.lab.trajectories.reading import read_trajectory
-from app.lab.trajectories.trajectory import TrajectoryError
-from app.messages.commands import ErrorMessage, parse
-from app.recordings.files.mcap_reader import open_recording
-from app.recordings.files.recorded import RecordingError
-from app.recordings.remote_robot import parse_received
-from app.recordings.replay.opening import read_filter_config
-from app.recordings.replay.parts import RecordedParts
-from app.recordings.replay.recorded_robot import RecordedRobot
-from app.recordings.replay.ticks import RecordedTopics
-from app.ros2.foxglove.offer import Offer
-from app.ros2.foxglove.session import Session
-from app.ros2.inbox import Inbox
-from app.ros2.message_types import MessageError
-from app.ros2.rosbridge.bridge import Bridge
+from app.features.lab.sweep.sweep_file import load_sweep
+from app.features.lab.trajectories.reading import read_trajectory
+from app.features.recordings.files.mcap_reader import open_recording
+from app.features.recordings.files.recorded import RecordingError
+from app.features.recordings.remote_robot import parse_received
+from app.features.recordings.replay.opening import read_filter_config
+from app.features.recordings.replay.parts import RecordedParts
+from app.features.recordings.replay.recorded_robot import RecordedRobot
+from app.features.recordings.replay.ticks import RecordedTopics
+from app.features.ros.foxglove.offer import Offer
+from app.features.ros.foxglove.session import FoxgloveSession
+from app.features.ros.inbox import Inbox
+from app.features.ros.message_types import MessageError
+from app.features.ros.rosbridge.bridge import Bridge
+from app.messages.commands import ErrorMessage
 from app.settings.config import MAPS, load_config
-from robot.calibration.profile import load_profile
-from robot.camera import CameraError, Lens
+from app.trajectories.trajectory import TrajectoryError
+from robot.camera import CameraError
+from robot.description.profile import load_profile
 from robot.description.spec import SPIKE, RobotSpec, SpecError
 from robot.driving.differential_drive import DifferentialDrive
 from robot.errors import BrickPoseError, CommandError
 from robot.fields.field import FieldError
 from robot.fields.field_loading import load_field
 from robot.hat.protocol.decoder import Decoder
-from robot.hat.protocol.events import Event, Unknown
+from robot.hat.protocol.events import Event, UnknownLine
+from robot.lens_files.reading import read_lens_file
 from robot.settings import SettingError
 
 Parser = Callable[[bytes, Path], str | None]
@@ -80,7 +81,7 @@ def hat(data: bytes, folder: Path) -> str | None:
     apart = [event for piece in pieces for event in decoder.feed(piece)]
     assert repr(apart) == repr(events)  # NaN differs from itself
     assert all(isinstance(event, Event) for event in events)
-    unknown = sum(isinstance(event, Unknown) for event in events)
+    unknown = sum(isinstance(event, UnknownLine) for event in events)
     return f"{unknown} lines are not understood" if unknown else None
 
 
@@ -155,7 +156,7 @@ def foxglove(data: bytes, folder: Path) -> str | None:
     channel = {"id": 1, "topic": topic, "schemaName": kind, "encoding": encoding}
     inbox = _inbox()
     offer = Offer(bridge().publisher, inbox)
-    session = Session(offer, lambda: None, ME, refusal=None)
+    session = FoxgloveSession(offer, lambda: None, ME, refusal=None)
     sent: list[str | bytes] = [
         json.dumps({"op": "advertise", "channels": [channel]}),
         b"\x01\x01\0\0\0" + content,
@@ -260,7 +261,7 @@ def robot_view(path: Path) -> None:
 
 def lens_view(path: Path) -> None:
     """Load a lens; its numbers are finite."""
-    lens = Lens.from_yaml(path)
+    lens = read_lens_file(path).lens
     assert lens.width * lens.height > 0
     assert np.isfinite(lens.matrix).all()
     assert np.isfinite(lens.distortion).all()

@@ -32,6 +32,7 @@ def test_each_target_keeps_files_of_both_kinds():
         assert kinds == {True, False}, name
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", TARGETS)
 def test_any_bytes_are_taken_or_refused_in_a_line(name, folder):
     target = TARGETS[name]

@@ -35,13 +35,13 @@ class Latest(Generic[T]):
         return self._value
 
     @contextlib.contextmanager
-    def subscribe(self) -> Iterator[Subscription[T]]:
+    def subscribe(self) -> Iterator[LatestReader[T]]:
         """Subscribe from a coroutine until the block ends."""
         waiting = Wakeup()
         with self._lock:
             self._waiting.add(waiting)
         try:
-            yield Subscription(self, waiting)
+            yield LatestReader(self, waiting)
         finally:
             with self._lock:
                 self._waiting.discard(waiting)
@@ -54,7 +54,7 @@ class Latest(Generic[T]):
             return self._count, self._value
 
 
-class Subscription(Generic[T]):
+class LatestReader(Generic[T]):
     """One reader, with the number of the last value that it had."""
 
     def __init__(self, source: Latest[T], waiting: Wakeup) -> None:

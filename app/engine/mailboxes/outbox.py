@@ -1,4 +1,4 @@
-"""Values that wait to be sent to one reader; bounded, however slow the reader is."""
+"""An outbox: values that wait to be sent to one reader; bounded, however slow the reader is."""
 
 from __future__ import annotations
 

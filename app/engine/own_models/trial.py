@@ -79,10 +79,10 @@ def _leads(sensor: OwnSensor, field: Field, pose: Pose2) -> list[float]:
         return []
     sight = np.tile([0.0, REACH], (len(BEARINGS), 1))
     rated = sensor.log_likelihood(poses, Scan(0.0, BEARINGS, ranges[0], sight=sight))
-    return [float(lead) for lead in (rated[0] - rated[1:])[_told_apart(ranges)]]
+    return [float(lead) for lead in (rated[0] - rated[1:])[_distinguishable(ranges)]]
 
 
-def _told_apart(ranges: Array) -> Array:
+def _distinguishable(ranges: Array) -> Array:
     """Return which of the places (6,) have ranges other than the first's."""
     known = np.minimum(ranges, REACH)
     apart = np.minimum(np.abs(known[1:] - known[0]), MOST_COUNTED)

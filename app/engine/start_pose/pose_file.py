@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -17,6 +16,7 @@ from robot.errors import BrickPoseError
 from robot.fields.field import Field
 from robot.geometry import Pose2
 from robot.localization.estimate import Hypothesis
+from robot.user_folders import state_folder
 
 LARGEST = 1_000_000
 """A larger file is not a saved pose [bytes]."""
@@ -61,9 +61,7 @@ def pose_path(file: str, robot: str, field: Field) -> Path:
     """Return the path of the pose file: the named file, else one for each robot and map."""
     if file:
         return Path(file).absolute()
-    state = os.environ.get("XDG_STATE_HOME", "")
-    folder = Path(state) if Path(state).is_absolute() else Path.home() / ".local" / "state"
-    return folder / "brickpose" / f"pose-{robot}-{field.name}.json"
+    return state_folder() / f"pose-{robot}-{field.name}.json"
 
 
 def write(path: Path, saved: SavedPose) -> None:

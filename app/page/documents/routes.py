@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import lru_cache
 from html import escape
 from pathlib import Path
@@ -18,8 +19,12 @@ FIRST = "page.md"
 """What ``/help/`` shows: how the page is used."""
 
 
-def documents_router() -> APIRouter:
-    """Return the routes that serve the documents and their pictures."""
+def documents_router(more: Sequence[Path] = ()) -> APIRouter:
+    """Return the routes that serve the documents and their pictures.
+
+    Args:
+        more: documents besides those of ``docs/``; they hide none of these.
+    """
     router = APIRouter(include_in_schema=False)
 
     @router.get("/help")
@@ -29,11 +34,11 @@ def documents_router() -> APIRouter:
 
     @router.get("/help/")
     def first(request: Request) -> HTMLResponse:
-        return _shown(FIRST, request)
+        return _shown(FIRST, more, request)
 
     @router.get("/help/{name}")
     def document(name: str, request: Request) -> HTMLResponse:
-        return _shown(name, request)
+        return _shown(name, more, request)
 
     @router.get("/help/pictures/{name}")
     def picture(name: str) -> FileResponse:
@@ -45,8 +50,9 @@ def documents_router() -> APIRouter:
     return router
 
 
-def _shown(name: str, request: Request) -> HTMLResponse:
+def _shown(name: str, more: Sequence[Path], request: Request) -> HTMLResponse:
     known = {path.name: path for path in sorted(DOCS.glob("*.md"))}
+    known |= {path.name: path for path in more if path.name not in known and path.is_file()}
     if name not in known:
         raise HTTPException(404, f"there is no document {name}; valid are {', '.join(known)}")
     title, text = _read(known[name], known[name].stat().st_mtime_ns)

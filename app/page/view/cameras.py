@@ -1,4 +1,4 @@
-"""Looks of viewers at the scene: home, from above, and behind the robot."""
+"""Cameras of viewers on the scene: home, from above, and behind the robot."""
 
 from __future__ import annotations
 

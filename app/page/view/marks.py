@@ -47,3 +47,8 @@ def arrow() -> tuple[Array, NDArray[np.uint32]]:
     """A thin triangle along +x, 15 mm long."""
     vertices = np.array([[0.015, 0.0, 0.0], [0.0, 0.0025, 0.0], [0.0, -0.0025, 0.0]])
     return vertices, np.array([[0, 1, 2]], dtype=np.uint32)
+
+
+def lifted(points: Array, height: float) -> Array:
+    """Return floor points (..., 2) as points in space (..., 3)."""
+    return np.concatenate([points, np.full((*points.shape[:-1], 1), height)], axis=-1)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
 from robot.description.robot_model import read_model
-from robot.description.urdf import Shape, origin_of, parse_xml, shape_of
+from robot.description.urdf import Solid, origin_of, parse_xml, shape_of
 from robot.description.wheels import ROBOT_FRAME
 from robot.geometry import Array
 
@@ -65,7 +65,7 @@ def _colour(material: ElementTree.Element) -> Rgb | None:
     return red, green, blue
 
 
-def _solid(shape: Shape, robot_from_shape: Array) -> Mesh:
+def _solid(shape: Solid, robot_from_shape: Array) -> Mesh:
     corners = shape.corners()
     hull = ConvexHull(corners)
     faces = hull.simplices.copy()

@@ -1,4 +1,4 @@
-"""The 3D view: floor, robot, particles, rays and paths, drawn by viser.
+"""The scene of the 3D view: floor, robot, particles, rays and paths, drawn by viser.
 
 The view has no controls; these are on our own page. Nodes are made once, and only their arrays are
 replaced: that costs the server a millisecond, whatever the number of viewers.
@@ -6,8 +6,8 @@ replaced: that costs the server a millisecond, whatever the number of viewers.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Iterable
+from typing import Any, Protocol
 
 import cv2
 import numpy as np
@@ -16,13 +16,11 @@ import viser
 from app.engine.snapshot import Snapshot
 from app.page.thresholds import LIKELY
 from app.page.view.camera_layer import CameraLayer
-from app.page.view.map_layer import MapLayer, lifted
-from app.page.view.marks import ESTIMATE, arrow, by_weight, hypothesis_mark, quaternions
+from app.page.view.marks import ESTIMATE, arrow, by_weight, hypothesis_mark, lifted, quaternions
 from app.page.view.paths import Path
 from app.page.view.robot_mesh import robot_meshes
 from robot.description.spec import RobotSpec
 from robot.fields.field import Field
-from robot.mapping.sketch import Sketch
 from robot.scanning.line_scanner import LineScan
 
 TRUTH, ODOMETRY = (0, 105, 79), (168, 50, 4)
@@ -38,8 +36,22 @@ LARGEST_FLOOR_PX = 1536
 """Longer side of the floor's texture: larger ones take a viewer long to load."""
 RAY_STEP = 3
 """One of this many rays is drawn: all of them would hide the floor."""
+LABEL_HEIGHT = {"truth": 0.24, "odometry": 0.06, "estimate": 0.15}
+"""Heights of the labels above the floor [m]."""
 LIFT = {"paths": 0.002, "rays": 0.003, "particles": 0.004, "headings": 0.005, "estimate": 0.006}
 """Heights above the floor [m]; they differ, so that layers do not flicker through each other."""
+
+
+class ViewLayer(Protocol):
+    """What a feature adds to the scene."""
+
+    def update(self) -> None:
+        """Show what there is now; called three times a second."""
+        ...
+
+
+NewViewLayer = Callable[[viser.SceneApi], ViewLayer]
+"""Adds a layer's nodes to a scene."""
 
 
 class Scene:
@@ -50,7 +62,7 @@ class Scene:
         server: viser.ViserServer,
         field: Field,
         spec: RobotSpec,
-        sketch: Callable[[], Sketch | None],
+        layers: Iterable[NewViewLayer],
     ) -> None:
         self._server = server
         self._paths = {"truth": Path(), "odometry": Path(), "estimate": Path()}
@@ -59,6 +71,11 @@ class Scene:
         self._shown: LineScan | None = None
         scene = server.scene
         scene.set_up_direction("+z")
+        # viser's own light is an environment that a browser without a graphics card computes for
+        # eight seconds, in which the page's connections break.
+        scene.configure_environment_map(hdri=None)
+        scene.configure_default_lights(cast_shadow=False)
+        scene.add_light_hemisphere("/light", intensity=2.0)
         self._floor(field)
         self._robot = scene.add_frame("/robot", show_axes=False)
         self._spec = spec
@@ -74,7 +91,7 @@ class Scene:
         self._nodes = self._add_nodes(scene)
         self._camera = CameraLayer(scene, spec, field.floor)
         self._show_outline()
-        self._mapping = MapLayer(scene, sketch)
+        self._added = [make(scene) for make in layers]
 
     def update(self, snapshot: Snapshot) -> None:
         """Show a snapshot."""
@@ -88,15 +105,16 @@ class Scene:
             self._show_layers(snapshot)
             self._show_robot(snapshot)
             # A new measurement only comes with a new picture.
-            if self._shown is not snapshot.line_scan:
-                self._shown = snapshot.line_scan
+            if self._shown is not snapshot.filter.line_scan:
+                self._shown = snapshot.filter.line_scan
                 self._show_cloud(snapshot)
                 self._show_scan(snapshot)
             if self._ticks % PICTURE_TICKS == 0 and "camera" in snapshot.layers:
                 self._camera.picture(snapshot)
             if self._ticks % 5 == 0:
                 self._show_paths()
-                self._mapping.update()
+                for layer in self._added:
+                    layer.update()
         self._server.flush()
 
     def _change_robot(self, spec: RobotSpec) -> None:
@@ -201,10 +219,10 @@ class Scene:
                 ("estimate", snapshot.pose),
             ):
                 if pose is not None:
-                    self._nodes[f"label_{name}"].position = (pose.x, pose.y, _LABEL_HEIGHT[name])
+                    self._nodes[f"label_{name}"].position = (pose.x, pose.y, LABEL_HEIGHT[name])
 
     def _show_cloud(self, snapshot: Snapshot) -> None:
-        poses, weights = snapshot.cloud.poses, snapshot.cloud.weights
+        poses, weights = snapshot.filter.cloud.poses, snapshot.filter.cloud.weights
         if not len(poses):
             # A filter that knows nothing has no particles; viser does not redraw empty nodes.
             poses, weights = np.full((1, 3), FAR_AWAY), np.ones(1)
@@ -232,12 +250,12 @@ class Scene:
         node.colors = np.repeat(by_weight(parts)[:, None, :], 2, axis=1)
 
     def _show_scan(self, snapshot: Snapshot) -> None:
-        if snapshot.line_scan is None or snapshot.scan_pose is None or snapshot.pose is None:
+        if snapshot.filter.line_scan is None or snapshot.scan_pose is None or snapshot.pose is None:
             # The start of the rays is not known.
             self._nodes["rays"].points = np.full((1, 2, 3), FAR_AWAY)
             self._nodes["hits"].points = np.full((1, 3), FAR_AWAY, dtype=np.float32)
             return
-        scan = snapshot.line_scan.scan
+        scan = snapshot.filter.line_scan.scan
         # As seen from where the robot is now: it has moved on since the picture.
         now_from_scan = snapshot.pose.inverse() @ snapshot.scan_pose
         start = now_from_scan @ scan.robot_from_scan
@@ -259,6 +277,3 @@ class Scene:
             segments = path.segments(every=2 if name == "odometry" else 1)
             if len(segments):
                 self._nodes[f"path_{name}"].points = lifted(segments, LIFT["paths"])
-
-
-_LABEL_HEIGHT = {"truth": 0.24, "odometry": 0.06, "estimate": 0.15}

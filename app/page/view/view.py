@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import io
-from collections.abc import Callable
+from collections.abc import Iterable
 from pathlib import Path
 
 import anyio
@@ -20,11 +20,10 @@ from app.engine.mailboxes.latest import Latest
 from app.engine.problems import LOG
 from app.engine.snapshot import Snapshot
 from app.page.view.cameras import Cameras
-from app.page.view.scene import Scene
+from app.page.view.scene import NewViewLayer, Scene
 from app.page.view.viewers import Viewers, without_port
 from robot.description.spec import RobotSpec
 from robot.fields.field import Field
-from robot.mapping.sketch import Sketch
 
 UPDATES_HZ = 15
 
@@ -45,7 +44,7 @@ class View:
         field: Field,
         spec: RobotSpec,
         latest: Latest[Snapshot],
-        sketch: Callable[[], Sketch | None] = lambda: None,
+        layers: Iterable[NewViewLayer] = (),
     ) -> None:
         """Make a view of a robot on a field.
 
@@ -53,7 +52,7 @@ class View:
             field: the floor.
             spec: the robot.
             latest: what is shown.
-            sketch: returns the map that is drawn by driving; None without one.
+            layers: what makes layers of features.
         """
         self._viewers = Viewers()
         # viser prints its own address.
@@ -61,7 +60,7 @@ class View:
             self._server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
         # viser's share button would make this server call one on the internet.
         self._server._websock_server.unregister_handler(viser._messages.ShareUrlRequest)
-        self._scene = Scene(self._server, field, spec, sketch)
+        self._scene = Scene(self._server, field, spec, layers)
         self.cameras = Cameras(self._server, field.floor.extent)
         self._latest = latest
         self.failure: str | None = None

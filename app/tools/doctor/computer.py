@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 import socket
 import sys
@@ -10,10 +9,12 @@ from collections.abc import Iterator
 from importlib import metadata
 from pathlib import Path
 
-from app.settings.config import ROOT, Config
+from app.engine.compiling.compilation import Compilation
+from app.engine.robots import robot_kind
+from app.settings.config import AUTO, ROOT, Config
 from app.tools.doctor.finding import Finding, ok, problem, warning
 from robot.errors import PackageError
-from sim.bullet import load_pybullet
+from sim.engines import choose_engine, engine_version
 
 OLDEST = (3, 11)
 CONSTRAINTS = ROOT / "constraints.txt"
@@ -24,8 +25,8 @@ def check_computer(config: Config) -> Iterator[Finding]:
     """Check what every robot needs."""
     yield python_version(sys.version_info[:3])
     yield packages(tested_versions(CONSTRAINTS))
-    yield simulator(config.robot)
-    yield compiled_code(os.environ.get("NUMBA_CACHE_DIR"))
+    yield simulator(config.robot, config.sim.engine)
+    yield compiled_code(Compilation())
     yield web_port(config.host, config.port)
 
 
@@ -69,25 +70,31 @@ def packages(tested: dict[str, str]) -> Finding:
     return ok(f"Packages: numpy {metadata.version('numpy')}, {_opencv()}")
 
 
-def simulator(robot: str) -> Finding:
-    """Check that pybullet is installed; only the robot ``sim`` cannot run without it."""
-    if robot in ("kinematic", "buildhat"):
-        return ok(f"pybullet is not needed by the robot {robot}")
+def simulator(robot: str, engine: str) -> Finding:
+    """Check that a physics engine is installed; only the robot ``sim`` cannot run without it."""
+    if not robot_kind(Config(robot=robot)).has_forces:
+        return ok(f"Physics is not needed by the robot {robot}")
     try:
-        load_pybullet()
+        chosen = choose_engine(engine)
     except PackageError as error:
-        if robot == "sim":
+        if (robot, engine) != (AUTO, AUTO):
             return problem(str(error))
-        return warning(f"The kinematic robot drives, with perfect wheels: {error}")
-    return ok(f"pybullet {metadata.version('pybullet')}: the simulated robot has physics")
+        return warning(f"The kinematic robot drives, without forces: {error}")
+    return ok(f"{engine_version(chosen)}: the simulated robot has physics")
 
 
-def compiled_code(folder: str | None) -> Finding:
-    """Check that compiled code is there, so that the first start is quick."""
-    if folder and any(Path(folder).rglob("*.nbi")):
+def compiled_code(compilation: Compilation) -> Finding:
+    """Check that compiled code is there, so that the next start is quick."""
+    if not compilation.needed:
         return ok("Compiled code is there")
+    if compilation.complaint:
+        return warning(
+            "Compiled code cannot be kept, so each start compiles for a minute: "
+            f"{compilation.complaint}",
+            "set NUMBA_CACHE_DIR to a folder that only you can write to",
+        )
     return warning(
-        "Compiled code is missing: the first start compiles for minutes",
+        "Compiled code is missing: the first start compiles for about a minute",
         f"run {sys.executable} -m app.tools.warm_up once",
     )
 

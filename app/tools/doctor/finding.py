@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 OK, WARNING, PROBLEM = "ok", "warning", "problem"
+TOOL_S = 5.0
+"""Time limit for a tool [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,14 +49,17 @@ def sentence(text: str) -> str:
     return text[:1].upper() + text[1:]
 
 
-TOOL_S = 5.0
-"""Time limit for a tool [s]."""
-
-
 def output_of(command: Sequence[str]) -> str | None:
     """Return the output of a command; None if it does not exist, fails or takes too long."""
     try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=TOOL_S, check=False)
+        done = subprocess.run(
+            command,
+            capture_output=True,
+            encoding="utf-8",
+            errors="replace",
+            timeout=TOOL_S,
+            check=False,
+        )
     except (OSError, subprocess.TimeoutExpired):
         return None
     return done.stdout if done.returncode == 0 else None
@@ -75,7 +80,8 @@ class Machine:
 
     def at(self, path: str | Path) -> Path:
         """Return a path of the machine under ``root``; a relative path starts in our own folder."""
-        return self.root / Path(path).absolute().relative_to("/")
+        whole = Path(path).absolute()
+        return self.root / whole.relative_to(whole.anchor)
 
     def text(self, path: str) -> str:
         """Return the text of a file; empty if it does not exist or may not be read."""

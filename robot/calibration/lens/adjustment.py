@@ -28,7 +28,7 @@ FOCALS = (0.35, 0.6, 1.0, 1.7)
 """Focal lengths to begin with, by the picture's width."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class LensFit:
     """A lens that was adjusted to pictures."""
 
@@ -129,7 +129,7 @@ def held_out_errors(lens: Lens, sighting: Sighting, board: Board, pose: Array) -
     return fit_pose(lens, sighting, board, pose).errors
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class PoseFit:
     """Where a board is, by one picture through a known lens."""
 
@@ -152,7 +152,7 @@ def fit_pose(lens: Lens, sighting: Sighting, board: Board, pose: Array) -> PoseF
     return PoseFit(pose, part.error.reshape(-1, 2), part.by_pose.T @ part.by_pose)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class _Part:
     """One picture's errors, and how its projected corners move with the unknowns."""
 

@@ -22,8 +22,8 @@ LINE = 0.3
 """Width of thin lines [mm]."""
 
 
-@dataclass(frozen=True, slots=True)
-class Shape:
+@dataclass(frozen=True, slots=True, eq=False)
+class FilledPolygon:
     """A filled polygon."""
 
     points: Array
@@ -45,26 +45,28 @@ class Text:
 
 
 @dataclass(frozen=True)
-class Page:
+class PrintedPage:
     """What is printed."""
 
     width: float
     """[mm]"""
     height: float
     """[mm]"""
-    shapes: tuple[Shape, ...]
+    shapes: tuple[FilledPolygon, ...]
     """The first lie lowest."""
     texts: tuple[Text, ...]
     corner: tuple[float, float]
     """The board's upper left corner [mm]."""
 
 
-def lay_out(board: Board, paper: str) -> Page:
+def lay_out(board: Board, paper: str) -> PrintedPage:
     """Return the page of a board, upright or across.
 
     Raises:
-        SettingError: there is no such paper, or the board is too large for it.
+        SettingError: there is no such paper, or the board is too large for it, or of tags.
     """
+    if board.kind == "aprilgrid":
+        raise SettingError("a grid of tags is not printed here; valid are chessboard and charuco")
     if paper not in PAPERS:
         raise SettingError(f"the paper is {paper!r}; valid are {', '.join(PAPERS)}")
     size = 1e3 * board.square
@@ -94,10 +96,10 @@ def lay_out(board: Board, paper: str) -> Page:
         Text(left, under + 9.5, 2.6, f"brickpose calibrate lens PICTURES{kind} --squares "
              f"{board.columns}x{board.rows} --size {board.square:g}{option}"),
     ]  # fmt: skip
-    return Page(width, height, tuple(shapes), tuple(texts), (left, top))
+    return PrintedPage(width, height, tuple(shapes), tuple(texts), (left, top))
 
 
-def _squares(board: Board, left: float, top: float) -> Iterator[Shape]:
+def _squares(board: Board, left: float, top: float) -> Iterator[FilledPolygon]:
     size = 1e3 * board.square
     for row in range(board.rows):
         for column in range(board.columns):
@@ -107,7 +109,7 @@ def _squares(board: Board, left: float, top: float) -> Iterator[Shape]:
         yield from _markers(board, left, top)
 
 
-def _markers(board: Board, left: float, top: float) -> Iterator[Shape]:
+def _markers(board: Board, left: float, top: float) -> Iterator[FilledPolygon]:
     """Yield the markers in the white squares: each a black box, and what is white in it."""
     drawing = board.markers
     dictionary = drawing.getDictionary()
@@ -124,10 +126,10 @@ def _markers(board: Board, left: float, top: float) -> Iterator[Shape]:
             edges = np.flatnonzero(np.diff(np.concatenate([[0], line.astype(int), [0]])))
             for start, end in edges.reshape(-1, 2).tolist():
                 box = _box(x + start * cell, y + row * cell, (end - start) * cell, cell)
-                yield Shape(box.points, black=False)
+                yield FilledPolygon(box.points, black=False)
 
 
-def _origin(x: float, y: float) -> Iterator[Shape]:
+def _origin(x: float, y: float) -> Iterator[FilledPolygon]:
     """Yield arrows along the axes of the board's frame, and marks at its lower right corner."""
     reach, apart = 10.0, 3.0
     yield _box(x + 0.8, y - LINE / 2, 6, LINE)
@@ -137,10 +139,10 @@ def _origin(x: float, y: float) -> Iterator[Shape]:
     for tip in ((x + apart, y - reach - 2.5), (x - reach - 2.5, y + apart)):
         along = np.array([0, 2.5]) if tip[1] < y else np.array([2.5, 0])
         base = np.array(tip) + along
-        yield Shape(np.array([tip, base + along[::-1] / 2.5, base - along[::-1] / 2.5]))
+        yield FilledPolygon(np.array([tip, base + along[::-1] / 2.5, base - along[::-1] / 2.5]))
 
 
-def _ruler(x: float, y: float, along: tuple[int, int]) -> Iterator[Shape]:
+def _ruler(x: float, y: float, along: tuple[int, int]) -> Iterator[FilledPolygon]:
     """Yield a ruler; its outer ticks' outer sides are ``RULER`` apart."""
     dx, dy = along
     yield _box(x, y, RULER if dx else LINE, RULER if dy else LINE)
@@ -151,5 +153,7 @@ def _ruler(x: float, y: float, along: tuple[int, int]) -> Iterator[Shape]:
                    LINE if dx else long, LINE if dy else long)  # fmt: skip
 
 
-def _box(x: float, y: float, width: float, height: float) -> Shape:
-    return Shape(np.array([[x, y], [x + width, y], [x + width, y + height], [x, y + height]]))
+def _box(x: float, y: float, width: float, height: float) -> FilledPolygon:
+    return FilledPolygon(
+        np.array([[x, y], [x + width, y], [x + width, y + height], [x, y + height]])
+    )

@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from robot.calibration.lens.board import Board
+from robot.calibration.lens.board_search import find_board
 from robot.calibration.lens.coverage import Coverage
 from robot.calibration.lens.lens_calibration import LensCalibration, calibrate_lens, of_no_use
-from robot.calibration.lens.sighting import Grey, Sighting, SightingError, find_board
+from robot.calibration.lens.sighting import Grey, Sighting, SightingError
 
 
 @dataclass

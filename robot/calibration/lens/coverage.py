@@ -82,7 +82,7 @@ def share(sighting: Sighting) -> float:
     return cv2.contourArea(hull) / (sighting.size[0] * sighting.size[1])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Coverage:
     """What pictures of a board cover."""
 

@@ -9,9 +9,10 @@ from typing import Literal
 import numpy as np
 
 from robot.calibration.lens.board import Board
+from robot.calibration.lens.board_search import find_board
 from robot.calibration.lens.collection import PictureCollection
 from robot.calibration.lens.coverage import Coverage, normal, share
-from robot.calibration.lens.sighting import Grey, Sighting, SightingError, find_board
+from robot.calibration.lens.sighting import Grey, Sighting, SightingError
 from robot.geometry import Array
 
 STILL = 0.015
@@ -34,7 +35,7 @@ Verdict = Literal["taken", "moving", "known", "refused"]
 
 
 @dataclass(frozen=True)
-class Look:
+class BoardView:
     """What one picture of the camera shows."""
 
     stamp: float
@@ -71,28 +72,28 @@ class LensGuide:
             steps = [f"{more} more, each from somewhere new"]
         return steps
 
-    def look(self, stamp: float, picture: Grey) -> Look:
+    def look(self, stamp: float, picture: Grey) -> BoardView:
         """Look at the newest picture (h, w), exposed at a stamp [s], and take it if it helps."""
         before, self._before = self._before, None
         try:
             sighting = find_board(picture, self.board, hurried=True)
         except SightingError as error:
-            return Look(stamp, "refused", str(error))
+            return BoardView(stamp, "refused", str(error))
         self._before = stamp, sighting
         if before is None or not _still(before, self._before):
-            return Look(stamp, "moving", "hold it still", sighting)
+            return BoardView(stamp, "moving", "hold it still", sighting)
         view = _view(sighting, self.board)
         if any(np.abs(view - other).sum() < NEW for other in self._views):
-            return Look(stamp, "known", KNOWN, sighting)
+            return BoardView(stamp, "known", KNOWN, sighting)
         self._count += 1
         reason = self.collection.take(f"picture {self._count}", sighting)
         if reason:
-            return Look(stamp, "refused", reason, sighting)
+            return BoardView(stamp, "refused", reason, sighting)
         # Sharper ones may have put out an earlier one: what that showed is new again.
         seen = list(self.collection.seen.values())
         self._views = [_view(each, self.board) for each in seen]
         self.coverage = Coverage.of(seen, self.board)
-        return Look(stamp, "taken", "", sighting)
+        return BoardView(stamp, "taken", "", sighting)
 
 
 def _still(before: tuple[float, Sighting], newest: tuple[float, Sighting]) -> bool:

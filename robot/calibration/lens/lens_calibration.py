@@ -53,7 +53,7 @@ class LensError(BrickPoseError, ValueError):
     """The pictures tell no lens; the message says why, and what would."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Rating:
     """How far corners lie off, in pictures that the model was not adjusted to."""
 
@@ -163,7 +163,7 @@ def _apart(one_view: Sighting, other: Sighting, board: Board) -> float:
     """Return the mean distance between the corners of both, as a share of the diagonal."""
     last = len(board.corners) - 1
     ways = [other.places, {last - number: place for number, place in other.places.items()}]
-    if board.kind == "charuco":
+    if board.kind != "chessboard":
         del ways[1:]  # the markers tell which side of the board is up
     result = math.inf
     for places in ways:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from xml.sax.saxutils import escape
 
-from robot.calibration.lens.board_page import Page, Shape
+from robot.calibration.lens.board_page import FilledPolygon, PrintedPage
 
 POINTS = 72 / 25.4
 """A PDF's points in a millimetre."""
 
 
-def svg(page: Page) -> str:
+def svg(page: PrintedPage) -> str:
     """Return the page as SVG."""
     lines = [
         '<?xml version="1.0" encoding="UTF-8"?>',
@@ -30,7 +30,7 @@ def svg(page: Page) -> str:
     return "\n".join([*lines, "</svg>"]) + "\n"
 
 
-def pdf(page: Page) -> bytes:
+def pdf(page: PrintedPage) -> bytes:
     """Return the page as PDF 1.4: filled polygons, and text in a font that every reader has."""
     content = "\n".join([*_painted(page), *_written(page)]).encode("ascii")
     box = f"[0 0 {page.width * POINTS:.4f} {page.height * POINTS:.4f}]"
@@ -56,19 +56,19 @@ def pdf(page: Page) -> bytes:
     )
 
 
-def _painted(page: Page) -> list[str]:
+def _painted(page: PrintedPage) -> list[str]:
     """Return the operators that fill the shapes: a PDF's y points up."""
     lines = [f"q {POINTS:.8f} 0 0 {-POINTS:.8f} 0 {page.height * POINTS:.4f} cm"]
     lines += [f"{0 if shape.black else 1} g {_path(shape)} f" for shape in page.shapes]
     return [*lines, "Q"]
 
 
-def _path(shape: Shape) -> str:
+def _path(shape: FilledPolygon) -> str:
     moves = [f"{x:.4f} {y:.4f}" for x, y in shape.points.tolist()]
     return f"{moves[0]} m " + " ".join(f"{move} l" for move in moves[1:]) + " h"
 
 
-def _written(page: Page) -> list[str]:
+def _written(page: PrintedPage) -> list[str]:
     lines = ["0 g"]
     for text in page.texts:
         words = text.words.replace("\\", r"\\").replace("(", r"\(").replace(")", r"\)")

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from robot.calibration.lens.board import Board
-from robot.calibration.lens.camera_info import camera_info
 from robot.calibration.lens.lens_calibration import LensCalibration
+from robot.lens_files.camera_info import camera_info
 
 
 def camera_info_of(result: LensCalibration, board: Board, readout: float) -> str:

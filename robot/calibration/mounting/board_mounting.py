@@ -66,8 +66,8 @@ def mounting_by_board(
         for view in _turned(sighting, board)
     ]
     turns = [_angle(_robot_from_camera(view.pose, placed), described) for view in views]
-    place = int(np.argmin(turns))
-    fit, turn = views[place], turns[place]
+    index = int(np.argmin(turns))
+    fit, turn = views[index], turns[index]
     rms = float(np.sqrt((fit.errors**2).sum(axis=1).mean()))
     if rms > FAR_OFF_PX:
         raise MountingError(
@@ -141,7 +141,7 @@ def _painted_over(picture: Grey, sighting: Sighting) -> Grey:
 def _turned(sighting: Sighting, board: Board) -> Iterator[Sighting]:
     """Yield the sighting with each side of the board up that looks the same."""
     yield sighting
-    if board.kind == "charuco":
+    if board.kind != "chessboard":
         return
     across, up = board.inner
     grid = np.arange(across * up).reshape(up, across)

@@ -22,7 +22,7 @@ LABEL_MARGIN = 12.0
 """Distances stand at least this far inside of it [px]."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class GridLine:
     """A part of a line that the picture shows."""
 

@@ -26,13 +26,15 @@ UNITS = {
     "height": ("mm", 1e3),
 }
 """What people read of a mounting: the unit, and how many of it are a radian or a metre."""
+SMALL = (0.002, 0.5, 0.5)
+"""Changes of the lens for derivatives: of the focal length by itself, of its centre [px]."""
 
 
 class MountingError(BrickPoseError, ValueError):
     """A picture does not tell how the camera is mounted; the message says why."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Mounting:
     """Where the camera sits on the robot, and how exactly that is known."""
 
@@ -87,10 +89,6 @@ class LensDoubt:
                 shift = step_between(start, end) * sd / (2 * small)
                 covariance += np.outer(shift, shift)
         return replace(result, covariance=covariance)
-
-
-SMALL = (0.002, 0.5, 0.5)
-"""Changes of the lens for derivatives: of the focal length by itself, of its centre [px]."""
 
 
 def _changed(lens: Lens, step: Array) -> Lens:

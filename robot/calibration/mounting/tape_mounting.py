@@ -18,8 +18,8 @@ from robot.calibration.lens.sighting import Grey
 from robot.calibration.misses import nearest_edges
 from robot.calibration.mounting.mounting import Mounting, MountingError, derivatives, moved
 from robot.calibration.tape_edges import TapeEdges
-from robot.calibration.unknowns import PRIORS, ROTATION, SHIFT
 from robot.camera import FloorView, Lens
+from robot.description.unknowns import PRIORS, ROTATION, SHIFT
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2
 from robot.scanning.line_scanner import LineScanner, LineScannerSettings
@@ -44,7 +44,7 @@ PLACED_SD = np.array([0.002, 0.002, math.radians(0.5)])
 Places = NDArray[np.int64]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Edges:
     """Where rays meet edges in the picture, and the field that they may be of."""
 

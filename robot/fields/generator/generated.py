@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import re
 from functools import lru_cache
 
 import numpy as np
 import shapely
 
 from robot.fields.generator.marks import MARKS
+from robot.fields.generator.names import PREFIX
 from robot.fields.generator.outlines import GRID, OUTLINES, inside
-from robot.fields.generator.strokes import TAPE, Stroke
+from robot.fields.generator.strokes import TAPE, TapeLine
 
 SMALLEST, LARGEST = 600, 2950
 """Sides of the outermost tape's centre line [mm]; with the tape's width, 0.65 to 3 m."""
@@ -21,9 +21,6 @@ MARGIN = 250
 SYMMETRIC = 0.3
 """Share of the fields that are made symmetric on purpose: half a turn does not change them."""
 
-PREFIX = "generated-"
-MAX_SEED = 2**32 - 1
-
 _ALIKE = 30
 """Lines of tape cross, or are farther apart than twice this [mm]: nobody leaves narrow slits."""
 _SLIT = 2500
@@ -32,13 +29,6 @@ _CROSSING = 8000
 """Lines that overlap by more than this in one place lie along each other [mm²]."""
 _CLEAR = (100, 60, 25, 1)
 """Distances of the start from tape [mm]; the first one for which there is room is used."""
-
-
-def generated_seed(name: str) -> int | None:
-    """Return the seed in a name such as ``generated-17``; None for any other name."""
-    match = re.fullmatch(rf"{PREFIX}(0|[1-9]\d{{0,9}})", name)
-    seed = int(match[1]) if match else None
-    return seed if seed is not None and seed <= MAX_SEED else None
 
 
 @lru_cache(maxsize=64)
@@ -64,14 +54,14 @@ def _size(rng: np.random.Generator) -> tuple[float, float]:
 
 def _outline(
     rng: np.random.Generator, width: float, height: float, same: bool
-) -> tuple[list[Stroke], str]:
+) -> tuple[list[TapeLine], str]:
     draw = OUTLINES[int(rng.choice(len(OUTLINES), p=[share for _, share in OUTLINES]))][0]
     return draw(rng, width, height, same), draw.__name__.replace("_", "-")
 
 
 def _marked(
-    rng: np.random.Generator, outline: list[Stroke], area: shapely.Geometry, same: bool
-) -> tuple[list[Stroke], list[str]]:
+    rng: np.random.Generator, outline: list[TapeLine], area: shapely.Geometry, same: bool
+) -> tuple[list[TapeLine], list[str]]:
     """Return the outline with marks in it, and the names of the marks.
 
     Their number is random, from none up to one plus one for each 0.4 m² of the area, but at most 7.
@@ -97,7 +87,7 @@ def _marked(
     return strokes, names
 
 
-def _laid(strokes: list[Stroke], more: list[Stroke]) -> list[Stroke]:
+def _laid(strokes: list[TapeLine], more: list[TapeLine]) -> list[TapeLine]:
     """Return old and new lines; none if there is no new line, or it lies along another line."""
     laid = list(strokes)
     for item in more:
@@ -109,7 +99,7 @@ def _laid(strokes: list[Stroke], more: list[Stroke]) -> list[Stroke]:
     return laid if more else []
 
 
-def _can_be_laid(strokes: list[Stroke], area: shapely.Geometry) -> bool:
+def _can_be_laid(strokes: list[TapeLine], area: shapely.Geometry) -> bool:
     """Return whether the lines have no slits between them and leave enough floor."""
     tape = shapely.union_all([stroke.area for stroke in strokes])
     closed = shapely.buffer(shapely.buffer(tape, _ALIKE), -_ALIKE)
@@ -120,7 +110,7 @@ def _can_be_laid(strokes: list[Stroke], area: shapely.Geometry) -> bool:
 
 
 def _start(
-    rng: np.random.Generator, strokes: list[Stroke], area: shapely.Geometry
+    rng: np.random.Generator, strokes: list[TapeLine], area: shapely.Geometry
 ) -> tuple[float, float, float]:
     """Return the start's x, y [mm] and heading [degrees]: the clear point nearest to the middle."""
     tape = shapely.union_all([stroke.area for stroke in strokes])
@@ -134,7 +124,7 @@ def _start(
     raise AssertionError("a generated field has free floor")
 
 
-def _page(title: str, strokes: list[Stroke], start: tuple[float, float, float]) -> str:
+def _page(title: str, strokes: list[TapeLine], start: tuple[float, float, float]) -> str:
     lines = shapely.union_all([item.line for item in strokes])
     xmin, ymin, xmax, ymax = shapely.bounds(lines)
     left, top = np.floor(xmin) - MARGIN, np.floor(-ymax) - MARGIN

@@ -8,27 +8,27 @@ from collections.abc import Callable
 import numpy as np
 import shapely
 
-from robot.fields.generator.strokes import BEND, Stroke, bent, oval, straight_parts
+from robot.fields.generator.strokes import BEND, TapeLine, bent, oval, straight_parts
 
 SHORTEST = 150
 """Shortest line of tape [mm]."""
 
-Draw = Callable[[np.random.Generator, shapely.Geometry], list[Stroke]]
+Draw = Callable[[np.random.Generator, shapely.Geometry], list[TapeLine]]
 """Draws a mark, from a random generator and the enclosed area [mm]."""
 
 
-def cross(rng: np.random.Generator, area: shapely.Geometry) -> list[Stroke]:
+def cross(rng: np.random.Generator, area: shapely.Geometry) -> list[TapeLine]:
     """Draw two lines from side to side."""
     return across(rng, area, 0.0) + across(rng, area, math.pi / 2)
 
 
-def line(rng: np.random.Generator, area: shapely.Geometry) -> list[Stroke]:
+def line(rng: np.random.Generator, area: shapely.Geometry) -> list[TapeLine]:
     """Draw one line from side to side, along an axis or at a slant."""
     turn = rng.choice([0.0, math.pi / 2, rng.uniform(0.3, 1.2), -rng.uniform(0.3, 1.2)])
     return across(rng, area, float(turn))
 
 
-def bar(rng: np.random.Generator, area: shapely.Geometry) -> list[Stroke]:
+def bar(rng: np.random.Generator, area: shapely.Geometry) -> list[TapeLine]:
     """Draw a line whose ends are free."""
     middle = np.array(_place(rng, area, 150))
     turn = float(rng.choice([0.0, math.pi / 2, rng.uniform(-math.pi, math.pi)]))
@@ -38,7 +38,7 @@ def bar(rng: np.random.Generator, area: shapely.Geometry) -> list[Stroke]:
     return straight_parts(shapely.intersection(ends, shapely.buffer(area, -120)), SHORTEST)
 
 
-def stub(rng: np.random.Generator, area: shapely.Geometry) -> list[Stroke]:
+def stub(rng: np.random.Generator, area: shapely.Geometry) -> list[TapeLine]:
     """Draw a line from a side inward."""
     ring = shapely.LineString(shapely.get_coordinates(area))
     position = rng.uniform(0, ring.length)
@@ -52,16 +52,16 @@ def stub(rng: np.random.Generator, area: shapely.Geometry) -> list[Stroke]:
     return [bent([(start[0], start[1]), (end[0], end[1])])]
 
 
-def dashes(rng: np.random.Generator, area: shapely.Geometry) -> list[Stroke]:
+def dashes(rng: np.random.Generator, area: shapely.Geometry) -> list[TapeLine]:
     """Draw a dashed line from side to side."""
     turn = float(rng.choice([0.0, math.pi / 2]))
     dash, gap = rng.integers(8, 16) * 10, rng.integers(6, 12) * 10
     return [
-        Stroke(item.path, item.line, f"{dash} {gap}") for item in across(rng, area, turn)
+        TapeLine(item.path, item.line, f"{dash} {gap}") for item in across(rng, area, turn)
     ]  # fmt: skip
 
 
-def bends(rng: np.random.Generator, area: shapely.Geometry) -> list[Stroke]:
+def bends(rng: np.random.Generator, area: shapely.Geometry) -> list[TapeLine]:
     """Draw an S of bent tape whose ends are free."""
     xmin, ymin, xmax, ymax = shapely.bounds(shapely.buffer(area, -130)).tolist()
     long = xmax - xmin
@@ -75,7 +75,7 @@ def bends(rng: np.random.Generator, area: shapely.Geometry) -> list[Stroke]:
     return [item] if shapely.buffer(area, -100).covers(item.line) else []
 
 
-def island(rng: np.random.Generator, area: shapely.Geometry) -> list[Stroke]:
+def island(rng: np.random.Generator, area: shapely.Geometry) -> list[TapeLine]:
     """Draw a small closed shape."""
     half = float(rng.integers(BEND, 210))
     x, y = (float(np.round(item)) for item in _place(rng, area, half + 120))
@@ -100,7 +100,7 @@ MARKS: tuple[tuple[Draw, float], ...] = (
 """The marks, each with its probability."""
 
 
-def across(rng: np.random.Generator, area: shapely.Geometry, turn: float) -> list[Stroke]:
+def across(rng: np.random.Generator, area: shapely.Geometry, turn: float) -> list[TapeLine]:
     """Draw a straight line at an angle [rad], from side to side through a point of the area."""
     middle = np.array(_place(rng, area, 150))
     way = 5000 * np.array([math.cos(turn), math.sin(turn)])

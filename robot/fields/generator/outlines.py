@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import shapely
 
-from robot.fields.generator.strokes import BEND, Stroke, bent, oval
+from robot.fields.generator.strokes import BEND, TapeLine, bent, oval
 
 GRID = 50
 """Corners lie on multiples of this [mm]."""
@@ -16,46 +16,50 @@ NOTCH = 200
 """Smallest side of a corner that a room lacks [mm]."""
 
 Corner = tuple[float, float]
-Draw = Callable[[np.random.Generator, float, float, bool], list[Stroke]]
+Draw = Callable[[np.random.Generator, float, float, bool], list[TapeLine]]
 """Draws an outline, from a random generator, width and height [mm], and whether half a turn must
 change nothing."""
 
 
-def rectangle(_rng: np.random.Generator, width: float, height: float, _same: bool) -> list[Stroke]:
+def rectangle(
+    _rng: np.random.Generator, width: float, height: float, _same: bool
+) -> list[TapeLine]:
     """Draw a rectangle."""
     return [bent(_box(width, height), closed=True)]
 
 
-def square(_rng: np.random.Generator, width: float, height: float, _same: bool) -> list[Stroke]:
+def square(_rng: np.random.Generator, width: float, height: float, _same: bool) -> list[TapeLine]:
     """Draw a square with the smaller of width and height."""
     side = min(width, height)
     return [bent(_box(side, side), closed=True)]
 
 
-def room(rng: np.random.Generator, width: float, height: float, same: bool) -> list[Stroke]:
+def room(rng: np.random.Generator, width: float, height: float, same: bool) -> list[TapeLine]:
     """Draw a rectangle that lacks some of its corners."""
     return [bent(_room(rng, width, height, same), closed=True)]
 
 
-def rounded_room(rng: np.random.Generator, width: float, height: float, same: bool) -> list[Stroke]:
+def rounded_room(
+    rng: np.random.Generator, width: float, height: float, same: bool
+) -> list[TapeLine]:
     """Draw a room with bends in place of corners, where there is space for them."""
     return [bent(_room(rng, width, height, same), float(rng.integers(BEND, 250)), closed=True)]
 
 
-def rounded(rng: np.random.Generator, width: float, height: float, _same: bool) -> list[Stroke]:
+def rounded(rng: np.random.Generator, width: float, height: float, _same: bool) -> list[TapeLine]:
     """Draw a rectangle with bends in place of corners."""
     widest = max(BEND + 1, int(min(width, height) / 2))
     return [bent(_box(width, height), float(rng.integers(BEND, widest)), closed=True)]
 
 
-def ellipse(_rng: np.random.Generator, width: float, height: float, _same: bool) -> list[Stroke]:
+def ellipse(_rng: np.random.Generator, width: float, height: float, _same: bool) -> list[TapeLine]:
     """Draw an oval that nowhere bends more tightly than tape can be laid."""
     long, short = sorted((width / 2, height / 2), reverse=True)
     short = max(short, np.ceil(np.sqrt(BEND * long)))
     return [oval(0, 0, *((long, short) if width >= height else (short, long)))]
 
 
-def streets(rng: np.random.Generator, width: float, height: float, same: bool) -> list[Stroke]:
+def streets(rng: np.random.Generator, width: float, height: float, same: bool) -> list[TapeLine]:
     """Draw two or three streets in each direction, which cross and have free ends."""
     result = []
     for long, across, lies in ((width, height, True), (height, width, False)):
@@ -81,7 +85,7 @@ OUTLINES: tuple[tuple[Draw, float], ...] = (
 """The outlines, each with its share of the fields."""
 
 
-def inside(outline: list[Stroke], width: float, height: float) -> shapely.Geometry:
+def inside(outline: list[TapeLine], width: float, height: float) -> shapely.Geometry:
     """Return the area that an outline encloses; for streets, their whole box."""
     if len(outline) == 1 and outline[0].line.is_closed:
         return shapely.Polygon(outline[0].line.coords)

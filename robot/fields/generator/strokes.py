@@ -22,7 +22,7 @@ _ARC_STEP = math.radians(3)
 
 
 @dataclass(frozen=True, slots=True)
-class Stroke:
+class TapeLine:
     """One line of tape; millimetres, y up."""
 
     path: str
@@ -39,10 +39,10 @@ class Stroke:
         """The area of the tape."""
         return shapely.buffer(self.line, TAPE / 2, cap_style="flat", join_style="mitre")
 
-    def turned(self) -> Stroke:
+    def turned(self) -> TapeLine:
         """Return the same line after half a turn about the field's middle."""
         line = shapely.transform(self.line, np.negative)
-        return Stroke(self.path, line, self.dashes, not self.half_turn)
+        return TapeLine(self.path, line, self.dashes, not self.half_turn)
 
     def element(self) -> str:
         """Return the line as an element of the drawing."""
@@ -57,7 +57,7 @@ def bent(
     *,
     closed: bool = False,
     dashes: str = "",
-) -> Stroke:
+) -> TapeLine:
     """Return a line through corners [mm], each rounded with a radius [mm] as far as there is room.
 
     A corner without room for ``BEND`` stays sharp: tape cannot be laid more tightly.
@@ -72,25 +72,25 @@ def bent(
     if closed:
         line.append(line[0][:1])
     text = f"M {' L '.join(path)}{' Z' if closed else ''}"
-    return Stroke(text, shapely.LineString(np.vstack(line)), dashes)
+    return TapeLine(text, shapely.LineString(np.vstack(line)), dashes)
 
 
-def oval(x: float, y: float, along_x: float, along_y: float) -> Stroke:
+def oval(x: float, y: float, along_x: float, along_y: float) -> TapeLine:
     """Return an ellipse with this centre and these half axes [mm]."""
     turn = np.linspace(0, 2 * math.pi, 121)
     points = np.column_stack([x + along_x * np.cos(turn), y + along_y * np.sin(turn)])
     points[-1] = points[0]
     arc = f"A {along_x:g} {along_y:g} 0 0 1"
     text = f"M {x + along_x:g} {y:g} {arc} {x - along_x:g} {y:g} {arc} {x + along_x:g} {y:g} Z"
-    return Stroke(text, shapely.LineString(points))
+    return TapeLine(text, shapely.LineString(points))
 
 
 def _neighbours(points: Array, closed: bool) -> Iterator[tuple[Array | None, Array, Array | None]]:
     count = len(points)
-    for place in range(count):
-        before = points[place - 1] if closed or place > 0 else None
-        after = points[(place + 1) % count] if closed or place < count - 1 else None
-        yield before, points[place], after
+    for index in range(count):
+        before = points[index - 1] if closed or index > 0 else None
+        after = points[(index + 1) % count] if closed or index < count - 1 else None
+        yield before, points[index], after
 
 
 def _corner(
@@ -127,7 +127,7 @@ def _pair(point: Array) -> str:
     return f"{point[0]:.1f} {point[1]:.1f}"
 
 
-def straight_parts(geometry: shapely.Geometry, shortest: float) -> list[Stroke]:
+def straight_parts(geometry: shapely.Geometry, shortest: float) -> list[TapeLine]:
     """Return the straight lines of a geometry's parts that have at least this length [mm]."""
     result = []
     for part in shapely.get_parts(geometry):

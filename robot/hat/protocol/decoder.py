@@ -32,8 +32,8 @@ from robot.hat.protocol.events import (
     Notice,
     PortPowerFault,
     SignatureReceived,
-    Supply,
-    Unknown,
+    SupplyVoltage,
+    UnknownLine,
     UploadRefused,
     UploadTimeout,
     VerificationFailed,
@@ -45,6 +45,53 @@ HEX_LINE = rb" ?[0-9A-Fa-f]{2}(?: [0-9A-Fa-f]{2}){31,63} ?"
 VALUES = rb"((?: (?:" + INTEGER + rb"|" + REAL + rb"))+)"
 
 Fields = tuple[bytes, ...]
+PORT = rb"P([0-3])"
+NOTICES = re.compile(
+    rb"|".join(
+        [
+            # Of a port: values that were not asked for, and what it is doing.
+            PORT + rb"M[0-9]{1,2}:" + VALUES,
+            PORT + rb"V: (?: ?[+-]?[0-9]{6}|" + REAL + rb")",
+            PORT + rb": (?:pulse done|ramp done|connecting to active device|button pressed)",
+            PORT + rb": button released",
+            # Of a device: its description.
+            rb"type [0-9A-F]{1,2}",
+            rb"  (?:nmodes|nview|baud|hwver|swver) *=.*",
+            rb"  M[0-9]{1,2} .* SI = ?.*",
+            rb"    (?:format|RAW:) ?.*",
+            rb"  C[0-7]: ?.*",
+            rb" +(?:speed|position) PID: .*",
+            # Of the firmware: its registers after a fault, its trouble, its start.
+            rb" Port(?: [0-9A-F]{2}){3}",
+            rb" {1,3}[0-9](?: {1,2}[0-9A-F]{2}){3}",
+            rb"deltat=[0-9A-Fa-f]{8}",
+            rb"MQ overrun!",
+            rb"Attempting reset of I.{1,4}C bus",
+            rb"Firmware signature:(?: [0-9A-F]{2}){64}",
+            rb"Type help <RETURN> for help",
+            rb"Initialising ports",
+            rb"Resetting drivers: .*",
+            rb"Reading driver dumps: .*",
+            rb"set baud rate to [0-9]+",
+            # Of the bootloader; it says "verifed", a later version may spell it correctly.
+            rb"Image received",
+            rb"Image verifi?ed OK",
+            rb"Rebooting\.\.\.",
+            rb"Verifying image.*",
+            rb"SHA256:.*",
+            rb"Public key:.*",
+            HEX_LINE,
+        ]
+    )
+)
+"""Lines that change nothing here, but are no ``UnknownLine``: a stranger at the port says those."""
+LONGEST = 512
+"""Limit of a line [bytes]. No line of the board is longer: the longest, the signature, has 211."""
+CR, LF, NUL = b"\r", b"\n", b"\0"
+LINE_END = re.compile(rb"[\r\n]")
+PROMPT = b"BHBL> "
+FIRMWARE_PROMPTS = re.compile(rb"(?:P[0-3]>)+")
+GLUED_ERROR = re.compile(rb"<[^<>]*bus (?:timeout|error)>|<P[0-3]: [^<>]*>")
 
 
 def _values(text: bytes) -> tuple[float, ...]:
@@ -55,13 +102,11 @@ def _text(raw: bytes) -> str:
     return raw.decode("utf-8", "replace")
 
 
-PORT = rb"P([0-3])"
-
 MEANINGS: tuple[tuple[bytes, Callable[[Fields], Event]], ...] = (
     (PORT + rb"C([0-7]):" + VALUES, lambda f: CombiData(int(f[0]), int(f[1]), _values(f[2]))),
     (rb"", lambda f: Answered()),
     (rb"Error", lambda f: CommandRefused()),
-    (rb"([0-9]{1,2}\.[0-9]{2}) V", lambda f: Supply(float(f[0]))),
+    (rb"([0-9]{1,2}\.[0-9]{2}) V", lambda f: SupplyVoltage(float(f[0]))),
     (
         PORT + rb": connected to active ID ([0-9A-F]{2})",
         lambda f: Connected(int(f[0]), int(f[1], 16), False),
@@ -104,64 +149,14 @@ MEANINGS: tuple[tuple[bytes, Callable[[Fields], Event]], ...] = (
 )
 PATTERNS = tuple((re.compile(pattern), meaning) for pattern, meaning in MEANINGS)
 
-NOTICES = re.compile(
-    rb"|".join(
-        [
-            # Of a port: values that were not asked for, and what it is doing.
-            PORT + rb"M[0-9]{1,2}:" + VALUES,
-            PORT + rb"V: (?: ?[+-]?[0-9]{6}|" + REAL + rb")",
-            PORT + rb": (?:pulse done|ramp done|connecting to active device|button pressed)",
-            PORT + rb": button released",
-            # Of a device: its description.
-            rb"type [0-9A-F]{1,2}",
-            rb"  (?:nmodes|nview|baud|hwver|swver) *=.*",
-            rb"  M[0-9]{1,2} .* SI = ?.*",
-            rb"    (?:format|RAW:) ?.*",
-            rb"  C[0-7]: ?.*",
-            rb" +(?:speed|position) PID: .*",
-            # Of the firmware: its registers after a fault, its trouble, its start.
-            rb" Port(?: [0-9A-F]{2}){3}",
-            rb" {1,3}[0-9](?: {1,2}[0-9A-F]{2}){3}",
-            rb"deltat=[0-9A-Fa-f]{8}",
-            rb"MQ overrun!",
-            rb"Attempting reset of I.{1,4}C bus",
-            rb"Firmware signature:(?: [0-9A-F]{2}){64}",
-            rb"Type help <RETURN> for help",
-            rb"Initialising ports",
-            rb"Resetting drivers: .*",
-            rb"Reading driver dumps: .*",
-            rb"set baud rate to [0-9]+",
-            # Of the bootloader; it says "verifed", a later version may spell it correctly.
-            rb"Image received",
-            rb"Image verifi?ed OK",
-            rb"Rebooting\.\.\.",
-            rb"Verifying image.*",
-            rb"SHA256:.*",
-            rb"Public key:.*",
-            HEX_LINE,
-        ]
-    )
-)
-"""Lines that change nothing here: still not ``Unknown``, which a stranger at the port would say."""
-
 
 def read_line(line: bytes) -> Event:
-    """Return the event of a line without its end; ``Unknown`` if no pattern matches."""
+    """Return the event of a line without its end; ``UnknownLine`` if no pattern matches."""
     for pattern, meaning in PATTERNS:
         result = pattern.fullmatch(line)
         if result is not None:
             return meaning(result.groups())
-    return Notice(_text(line)) if NOTICES.fullmatch(line) else Unknown(line)
-
-
-LONGEST = 512
-"""Limit of a line [bytes]. No line of the board is longer: the longest, the signature, has 211."""
-
-CR, LF, NUL = b"\r", b"\n", b"\0"
-LINE_END = re.compile(rb"[\r\n]")
-PROMPT = b"BHBL> "
-FIRMWARE_PROMPTS = re.compile(rb"(?:P[0-3]>)+")
-GLUED_ERROR = re.compile(rb"<[^<>]*bus (?:timeout|error)>|<P[0-3]: [^<>]*>")
+    return Notice(_text(line)) if NOTICES.fullmatch(line) else UnknownLine(line)
 
 
 class Decoder:
@@ -198,7 +193,7 @@ class Decoder:
             self._echoes = True
         self._begun = rest
         if len(rest) > LONGEST:
-            events.append(Unknown(rest[:LONGEST]))
+            events.append(UnknownLine(rest[:LONGEST]))
             self._begun = b""
             self._skipping = True
 
@@ -236,7 +231,7 @@ class Decoder:
         """Return the event of a line: after a prompt an echo, unless only the board says it."""
         if self._echoes and not line:
             return Echo("")
-        event = read_line(line) if len(line) <= LONGEST else Unknown(line[:LONGEST])
-        if self._echoes and isinstance(event, Unknown):
+        event = read_line(line) if len(line) <= LONGEST else UnknownLine(line[:LONGEST])
+        if self._echoes and isinstance(event, UnknownLine):
             return Echo(_text(line))
         return event

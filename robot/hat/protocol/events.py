@@ -83,7 +83,7 @@ class CombiData:
 
 
 @dataclass(frozen=True, slots=True)
-class Supply:
+class SupplyVoltage:
     """The supply's voltage [V]."""
 
     volts: float
@@ -159,7 +159,7 @@ class Echo:
 
 
 @dataclass(frozen=True, slots=True)
-class Unknown:
+class UnknownLine:
     """A line that no Build HAT sends: garbled, cut, or from something else. Long ones are cut."""
 
     raw: bytes
@@ -176,7 +176,7 @@ Event = (
     | Disconnected
     | ConnectionFailed
     | CombiData
-    | Supply
+    | SupplyVoltage
     | MotorPowerFault
     | PortPowerFault
     | BootloaderVersion
@@ -189,6 +189,6 @@ Event = (
     | VerificationFailed
     | Notice
     | Echo
-    | Unknown
+    | UnknownLine
 )
 """Any message of a Build HAT."""

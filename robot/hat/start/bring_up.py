@@ -1,4 +1,4 @@
-"""Start of a Build HAT, from an open port to the right firmware with its motors stopped.
+"""Brings up a Build HAT: from an open port to the right firmware with its motors stopped.
 
 There is no I/O and no clock: the caller passes events and times [s], and sends the returned bytes.
 """
@@ -18,7 +18,7 @@ from robot.hat.protocol.events import (
     FirmwareVersion,
     InitDone,
     NoDevice,
-    Unknown,
+    UnknownLine,
 )
 from robot.hat.start import troubles
 from robot.hat.start.firmware_image import EXPECTED_VERSION, FirmwareImage, FirmwareImageError
@@ -151,7 +151,7 @@ class BringUp:
                 return self._hear_version(version, current)
             case BootloaderVersion():
                 return self._begin_upload(current)
-            case Unknown(raw):
+            case UnknownLine(raw):
                 self._strange = raw
             case Answered() | Echo():
                 # Any device that echoes its input produces these too.

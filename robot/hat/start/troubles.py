@@ -1,4 +1,4 @@
-"""Messages that say why a Build HAT is not ready, each with its cure."""
+"""Troubles at the start: messages that say why a Build HAT is not ready, each with its cure."""
 
 from __future__ import annotations
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
+from robot.compiling import compiled
 from robot.geometry import Array, Pose2, heading_vectors
 from robot.localization.grid.pose_grid import (
     FEWEST_TURNS,
@@ -120,7 +120,7 @@ def _spread(grid: PoseGrid, shifts: Array, variances: Array) -> PoseGrid:
     return PoseGrid(grid.boxes, cells, mass / mass.sum())
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _share(
     cells: Indices, mass: Array, axis: int, nearest: Indices, shares: Array
 ) -> tuple[Indices, Array]:

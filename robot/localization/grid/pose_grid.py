@@ -11,9 +11,9 @@ from dataclasses import dataclass, field, replace
 from itertools import count
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from robot.compiling import compiled
 from robot.geometry import Array, Pose2
 from robot.localization.filter import Cloud
 
@@ -21,6 +21,10 @@ Indices = NDArray[np.int64]
 
 FEWEST_TURNS = 8
 """Least number of boxes in a full turn; wider boxes of heading are not made."""
+WIDEST = 3.5
+"""A normal distribution is cut off at this many standard deviations."""
+WIDEST_LEVEL = 40
+"""Boxes that were doubled this often reach from the map's origin to any place."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +55,7 @@ class Boxes:
         return places
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class PoseGrid:
     """Boxes with their probability."""
 
@@ -95,7 +99,7 @@ class PoseGrid:
         return PoseGrid.of(double, self.cells // (2, 2, in_turn), self.mass)
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def sum_alike(cells: Indices, mass: Array) -> tuple[Indices, Array]:
     """Return each box (n, 3) once, with all its mass, in the order of first occurrence.
 
@@ -110,7 +114,7 @@ def sum_alike(cells: Indices, mass: Array) -> tuple[Indices, Array]:
     return merged[:result].copy(), total[:result].copy()
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def no_boxes(most: int) -> tuple[Indices, Indices, Array]:
     """Return an empty hash table, boxes and masses, which ``add_box`` fills."""
     size = 16
@@ -119,7 +123,7 @@ def no_boxes(most: int) -> tuple[Indices, Indices, Array]:
     return np.full(size, -1, dtype=np.int64), np.empty((most, 3), dtype=np.int64), np.empty(most)
 
 
-@njit(cache=True, nogil=True, forceinline=True)
+@compiled(forceinline=True)
 def add_box(
     x: int,
     y: int,
@@ -149,12 +153,6 @@ def add_box(
     merged[result, 0], merged[result, 1], merged[result, 2] = x, y, t
     total[result] = mass
     return result + 1
-
-
-WIDEST = 3.5
-"""A normal distribution is cut off at this many standard deviations."""
-WIDEST_LEVEL = 40
-"""Boxes that were doubled this often reach from the map's origin to any place."""
 
 
 def normal_grid(finest: Boxes, mean: Pose2, covariance: Array, most: int) -> PoseGrid:

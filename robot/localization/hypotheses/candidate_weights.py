@@ -15,7 +15,7 @@ EQUAL = -3.0
 """Log-weight relative to the heaviest place from which on the images of a place are followed."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Image:
     """A place that looks like a followed one."""
 
@@ -42,7 +42,7 @@ def missing_images(
                 yield Image(pose, covariance, track.log_weight)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class FoundPlace:
     """A place that a search has found, and that no track follows yet."""
 

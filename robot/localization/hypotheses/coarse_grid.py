@@ -6,9 +6,9 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from robot.compiling import compiled
 from robot.fields.floor_picture import Extent
 from robot.geometry import Array
 from robot.localization.models.entry_field import EntryField
@@ -19,7 +19,7 @@ HALVINGS = 2
 """How often the steps are halved when a pose is refined: from 40 mm to 10 mm."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class CoarseGrid:
     """Poses over a box, with all headings."""
 
@@ -114,7 +114,7 @@ def _step(values: Array) -> float:
     return float(values[1] - values[0]) if len(values) > 1 else 0.0
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _refine_poses(
     poses: Array,
     steps: Array,
@@ -141,7 +141,7 @@ def _refine_poses(
     return result
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _cost(
     pose: Array,
     ends: Array,
@@ -169,7 +169,7 @@ def _cost(
     return cost
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _score(
     ends: Array,
     thetas: Array,
@@ -227,7 +227,7 @@ class Cheapest:
         _look(costs, first, last, self._costs, self._cells)
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _look(
     costs: NDArray[np.float32],
     first: int,
@@ -248,7 +248,7 @@ def _look(
                     cells[place, 0], cells[place, 1], cells[place, 2] = t, y, x
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _is_lowest(costs: NDArray[np.float32], t: int, y: int, x: int) -> bool:
     """Whether no neighbour costs less.
 

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from robot.localization.estimate import ONLY_PLACE
 from robot.localization.hypotheses.local_map import LocalMap
 from robot.localization.hypotheses.track import Track
 from robot.localization.parameters import HypothesisParameters
-
-LEADING = 0.95
-"""Weight above which a place is the only likely one."""
 
 
 class Confirmation:
@@ -21,7 +19,7 @@ class Confirmation:
 
     def __init__(self, held: bool = True) -> None:
         """Begin without a doubt; ``held`` says whether the start was given."""
-        self.is_given = True
+        self.confirmed = True
         """Whether the place is confirmed; true from the start until a doubt."""
         self._doubted_at = 0
         """Number of kept scans at the last doubt."""
@@ -35,7 +33,7 @@ class Confirmation:
 
     def doubt(self, scans: int) -> None:
         """Doubt the place; ``scans`` is the number of kept scans so far."""
-        self.is_given, self._doubted_at = False, scans
+        self.confirmed, self._doubted_at = False, scans
         self._search_counts = self._put_off = False
 
     def lose(self, tracks: Sequence[Track]) -> None:
@@ -46,7 +44,7 @@ class Confirmation:
 
     def follow(self, heaviest: Track, weight: float, p: HypothesisParameters) -> bool:
         """Take the heaviest track and its weight; return whether the leading place changed."""
-        if weight <= LEADING:
+        if weight <= ONLY_PLACE:
             return False
         before, self._leader = self._leader, heaviest
         another = before is not None and not p.alike(before.pose, heaviest.pose)
@@ -56,14 +54,14 @@ class Confirmation:
 
     def note(self, heaviest: Track, weight: float, another: bool) -> None:
         """Note on the heaviest track that it is confirmed, unless it has just become the leader."""
-        heaviest.confirmed |= self.is_given and weight > LEADING and not another
+        heaviest.confirmed |= self.confirmed and weight > ONLY_PLACE and not another
 
     def is_due(self, scans: int, local: LocalMap) -> bool:
         """Whether a search of the short map that begins now would confirm the place."""
         # A shoe may look like the tape of another place; further short maps rarely see it again.
         whole = local.whole and not self._replacements
         fresh = whole or scans - self._doubted_at >= (1 + self._replacements) * len(local)
-        return not (self.is_given or self._search_counts) and local.lacking == 0 and fresh
+        return not (self.confirmed or self._search_counts) and local.lacking == 0 and fresh
 
     def begin(self, scans: int, local: LocalMap) -> None:
         """Note that a search begins."""
@@ -77,9 +75,9 @@ class Confirmation:
         map, but not over the scans before it, is found again and again.
         """
         if self._search_counts:
-            self.is_given = not rival or (self._put_off and self._held)
-            self._put_off = not self.is_given
-            if self.is_given:
+            self.confirmed = not rival or (self._put_off and self._held)
+            self._put_off = not self.confirmed
+            if self.confirmed:
                 self._held, self._replacements = True, 0
             self._doubted_at = scans if self._put_off else self._doubted_at
         self._search_counts = False

@@ -1,4 +1,4 @@
-"""The probability that the robot is at none of the followed places."""
+"""The probability of a kidnapping: that the robot is at none of the followed places."""
 
 from __future__ import annotations
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from robot import ray_columns as column
 from robot.geometry import Array, Pose2
 from robot.localization.hypotheses.rescoring import ScanHistory
 from robot.localization.models.motion_models import MotionModel
@@ -30,8 +31,8 @@ class _Kept:
     @classmethod
     def at(cls, pose: Pose2, scan: Scan) -> _Kept:
         rays = rays_of(scan, len(scan.ranges))
-        seeing = rays[~np.isnan(rays[:, 4])]
-        return cls(pose, scan, int(np.isfinite(seeing[:, 3]).sum()), len(seeing))
+        seeing = rays[~np.isnan(rays[:, column.NEAR])]
+        return cls(pose, scan, int(np.isfinite(seeing[:, column.RANGE]).sum()), len(seeing))
 
 
 class LocalMap:
@@ -119,7 +120,7 @@ class LocalMap:
 def _seen_from(here_from_robot: Pose2, scan: Scan, beams: int) -> Array:
     rays = rays_of(scan, beams)
     rays[:, :2] = here_from_robot.apply(rays[:, :2])
-    rays[:, 2] += here_from_robot.theta
+    rays[:, column.DIRECTION] += here_from_robot.theta
     return rays
 
 

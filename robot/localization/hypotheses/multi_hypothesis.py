@@ -11,6 +11,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from robot import ray_columns as column
 from robot.geometry import Array, Pose2
 from robot.localization.estimate import Hypothesis, Standing
 from robot.localization.filter import Cloud, Setup
@@ -69,6 +70,9 @@ class MultiHypothesisFilter:
         self._anywhere: Cloud
         """Displayed until a place is found."""
         self._searches: Searches
+        self._joined: Cloud | None = None
+        """The joined cloud of all tracks; None where it has changed. Whoever shows the robot asks
+        for it 50 times a second, and it changes with each picture only."""
         self._scans = 0
         """Number of scans kept since the start."""
         self._lost_at = 0  # ``_scans`` when the place was last lost; 0 is the start.
@@ -87,7 +91,10 @@ class MultiHypothesisFilter:
         """The particles of all tracks; poses all over the field until a place is found."""
         if not self._tracks:
             return self._anywhere
-        return Cloud.joined([track.filter.cloud for track in self._tracks], self._weights())
+        if self._joined is None:
+            clouds = [track.filter.cloud for track in self._tracks]
+            self._joined = Cloud.joined(clouds, self._weights())
+        return self._joined
 
     @property
     def effective(self) -> float:
@@ -101,7 +108,7 @@ class MultiHypothesisFilter:
         """Lost while elsewhere is likelier; unconfirmed from a doubt until a search settles it."""
         if self._elsewhere.lost:
             return Standing.LOST
-        return Standing.CONFIRMED if self._confirmation.is_given else Standing.UNCONFIRMED
+        return Standing.CONFIRMED if self._confirmation.confirmed else Standing.UNCONFIRMED
 
     @property
     def extra_sd(self) -> float:
@@ -121,6 +128,7 @@ class MultiHypothesisFilter:
         self._confirmation.lose(self._tracks)
         self._confirmation.doubt(self._scans)
         self._elsewhere.at_least(FRESH)
+        self._joined = None
         self._restart_search(0)
 
     def use(self, setup: Setup) -> None:
@@ -162,6 +170,7 @@ class MultiHypothesisFilter:
 
     def predict(self, moved: Pose2) -> None:
         """Move all hypotheses by a step of odometry."""
+        self._joined = None
         for track in self._tracks:
             track.filter.predict(moved)
         self._searches.move(moved)
@@ -169,6 +178,7 @@ class MultiHypothesisFilter:
 
     def correct(self, scan: Scan) -> None:
         """Correct each hypothesis by a scan, weigh them, and search for more."""
+        self._joined = None
         for track in self._tracks:
             track.filter.correct(scan)
         if self._searches.add(scan):
@@ -182,7 +192,7 @@ class MultiHypothesisFilter:
 
     def _weigh(self, rays: Array) -> None:
         """Multiply each weight by the scan's likelihood, to the power of ``scan_worth``."""
-        rays = rays[~np.isnan(rays[:, 4])]
+        rays = rays[~np.isnan(rays[:, column.NEAR])]
         if not self._tracks or not len(rays):
             return
         p, evidence = self.setup.hypotheses, self.setup.evidence
@@ -285,7 +295,7 @@ class MultiHypothesisFilter:
 
     def _start(self, tracks: list[Track], priors: list[Prior]) -> None:
         p = self.setup.hypotheses
-        self._tracks = tracks
+        self._tracks, self._joined = tracks, None
         self._priors = priors
         self._elsewhere = Kidnapping(p.log_kidnapped if tracks else FRESH)
         self._scans = self._lost_at = 0

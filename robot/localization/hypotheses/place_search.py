@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from robot import ray_columns as column
 from robot.geometry import Array, Pose2
 from robot.localization.filter import Setup
 from robot.localization.hypotheses.coarse_grid import Cheapest, CoarseGrid
@@ -189,7 +190,7 @@ def _pieces(count: int, size: int) -> Iterator[slice]:
 
 def _ends(rays: Array) -> NDArray[np.float64]:
     """Return end and direction (n, 3) of the rays that returned something."""
-    seen = np.isfinite(rays[:, 3]) & ~np.isnan(rays[:, 4])
+    seen = np.isfinite(rays[:, column.RANGE]) & ~np.isnan(rays[:, column.NEAR])
     x, y, direction, length = rays[seen, :4].T
     return np.column_stack(
         [x + length * np.cos(direction), y + length * np.sin(direction), direction]

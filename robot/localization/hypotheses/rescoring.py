@@ -11,10 +11,8 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
-from numba import njit
 
-from robot.fields.edge_index import EdgeIndex
-from robot.fields.visibility import Visibility
+from robot.compiling import compiled
 from robot.geometry import Array, Pose2
 from robot.localization.ray_evidence import RayEvidence, ray_log_likelihood
 from robot.localization.scan_matching import ScanMatcher, fit_rays
@@ -23,7 +21,7 @@ START_INFORMATION = np.diag(1 / np.square([0.02, 0.02, 0.08]))
 """Information on the pose of a newly found place [1/m², 1/m², 1/rad²]."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class ScanHistory:
     """Scans along the path, the newest first, and the steps between them."""
 
@@ -35,7 +33,7 @@ class ScanHistory:
     """(m, k, 9) rays of each scan, as ``rays_of`` returns them."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Rescored:
     """A hypothesis after the recent scans were replayed for it."""
 
@@ -52,57 +50,34 @@ def rescore(
 ) -> Rescored:
     """Replay the scans of ``past`` for a hypothesis that has pose ``start`` at the newest one."""
     pose, information, fits = _rescore(
-        start.to_array(),
-        past.moves,
-        past.noise,
-        past.rays,
-        matcher.index,
-        evidence.sight,
-        matcher.range_max,
-        matcher.sd,
-        matcher.gate,
-        matcher.slope,
-        evidence.sd,
-        evidence.missed,
+        start.to_array(), past.moves, past.noise, past.rays, matcher, evidence
     )
     covariance: Array = np.linalg.inv(information).astype(np.float64)
     return Rescored(Pose2(*pose.tolist()), covariance, fits)
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _rescore(
     start: Array,
     moves: Array,
     noise: Array,
     rays: Array,
-    index: EdgeIndex,
-    sight: Visibility,
-    range_max: float,
-    sd: float,
-    gate: float,
-    slope: float,
-    evidence_sd: float,
-    missed: float,
+    matcher: ScanMatcher,
+    evidence: RayEvidence,
 ) -> tuple[Array, Array, Array]:
     """Return pose (3,) and information (3, 3) at the newest scan, and how each scan fits (m,)."""
     fits = np.empty(len(moves))
-    newest, known, _ = fit_rays(
-        start, START_INFORMATION, rays[0], index, range_max, sd, gate, slope
-    )
+    newest, known, _ = fit_rays(start, START_INFORMATION, rays[0], matcher)
     pose, information = newest, known
     for k in range(len(moves)):
         if k > 0:
             pose, information = _moved(pose, information, moves[k], noise[k])
-            pose, information, _ = fit_rays(
-                pose, information, rays[k], index, range_max, sd, gate, slope
-            )
-        fits[k] = ray_log_likelihood(
-            pose, rays[k], index, sight, range_max, evidence_sd, slope, missed
-        )
+            pose, information, _ = fit_rays(pose, information, rays[k], matcher)
+        fits[k] = ray_log_likelihood(pose, rays[k], evidence)
     return newest, known, fits
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _moved(pose: Array, information: Array, move: Array, noise: Array) -> tuple[Array, Array]:
     """Return pose and information after a step: G Sigma G^T + V M V^T."""
     c, s = math.cos(pose[2]), math.sin(pose[2])

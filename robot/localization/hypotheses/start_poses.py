@@ -18,9 +18,15 @@ from robot.localization.particles.clusters import Cells, find_clusters
 
 LEAST_VARIANCE = np.diag(np.square([0.005, 0.005, 0.02]))
 """Least covariance of a given pose: nobody knows it better than this [m², m², rad²]."""
+ENOUGH = 50
+"""Least number of poses to start a filter from; fewer are replaced by their mean and spread."""
+WIDEST = 10.0
+"""Clusters wider than this multiple of the merge distance (``same_xy``) are ignored."""
+COVERED = 0.9
+"""Least share of a cloud's weight that its clusters must have."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Prior:
     """A pose with its covariance."""
 
@@ -49,14 +55,6 @@ def log_prior(priors: Sequence[Prior], pose: Pose2, log_kidnapped: float) -> flo
         return log_kidnapped
     likeliest = max(prior.log_likelihood(pose) for prior in priors)
     return float(np.logaddexp(likeliest, log_kidnapped))
-
-
-ENOUGH = 50
-"""Least number of poses to start a filter from; fewer are replaced by their mean and spread."""
-WIDEST = 10.0
-"""Clusters wider than this multiple of the merge distance (``same_xy``) are ignored."""
-COVERED = 0.9
-"""Least share of a cloud's weight that its clusters must have."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,14 +8,14 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
+from robot.compiling import compiled
 from robot.fields.edge_index import EdgeIndex
 from robot.fields.ray_casting import cast_toward
 from robot.geometry import Array
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(error_model="numpy")
 def beam_log_likelihoods(
     poses: Array,
     centre: Array,
@@ -52,7 +52,7 @@ def beam_log_likelihoods(
     return result
 
 
-@njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
+@compiled(error_model="numpy", forceinline=True)
 def _cast_fan(
     x: float,
     y: float,
@@ -84,7 +84,7 @@ def _cast_fan(
             expected[j] = math.inf
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(error_model="numpy")
 def _meet(
     x0: float,
     y0: float,
@@ -108,7 +108,7 @@ def _meet(
         expected[j] = along if met & (along < expected[j]) else expected[j]
 
 
-@njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
+@compiled(error_model="numpy", forceinline=True)
 def _log_likelihood(
     rays: Array, expected: Array, sd: float, hit: float, false: float, log_missed: float
 ) -> float:

@@ -9,9 +9,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import int64, njit
+from numba import int64
 from numpy.typing import NDArray
 
+from robot.compiling import compiled
 from robot.geometry import Array
 from robot.localization.kernels.steps import wrapped
 
@@ -19,9 +20,14 @@ Index = NDArray[np.int64]
 
 NO_WEIGHT = 1e-100
 """Clusters with less weight are not described: squares of such small numbers are zero."""
+MASS, SQUARES = 0, 1
+"""Columns: sum of weights, and of their squares."""
+FIRST, SECOND, ORIGIN = 2, 5, 11
+"""Columns of the sums of offsets (3), of their products (6) and of what they are from (3)."""
+COLUMNS = 14
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def clustered(
     poses: Array, weights: Array, size_xy: float, turns: int, most: int
 ) -> tuple[Index, Index, Array, Array, Array]:
@@ -57,7 +63,7 @@ def clustered(
     return labels, cell_of, mass[order[:described]], means, covariances
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _sort_into_cells(
     poses: Array, size_xy: float, turns: int
 ) -> tuple[Index, Index, NDArray[np.int32]]:
@@ -85,7 +91,7 @@ def _sort_into_cells(
     return cell_of, cells[:count], table
 
 
-@njit(cache=True, nogil=True, forceinline=True)
+@compiled(forceinline=True)
 def _slot(x: int, y: int, theta: int, cells: Index, table: NDArray[np.int32]) -> int:
     """Return the slot of a cell in the hash table, or the free slot where it belongs."""
     mask = len(table) - 1
@@ -99,7 +105,7 @@ def _slot(x: int, y: int, theta: int, cells: Index, table: NDArray[np.int32]) ->
         slot = (slot + 1) & mask
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _join_neighbours(cells: Index, table: NDArray[np.int32], turns: int) -> tuple[Index, int]:
     """Return the cluster (m,) of each cell, counted from 0, and the number of clusters.
 
@@ -125,7 +131,7 @@ def _join_neighbours(cells: Index, table: NDArray[np.int32], turns: int) -> tupl
     return clusters, count
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _root(parent: Index, cell: int) -> int:
     while parent[cell] != cell:
         parent[cell] = parent[parent[cell]]
@@ -133,14 +139,7 @@ def _root(parent: Index, cell: int) -> int:
     return cell
 
 
-MASS, SQUARES = 0, 1
-"""Columns: sum of weights, and of their squares."""
-FIRST, SECOND, ORIGIN = 2, 5, 11
-"""Columns of the sums of offsets (3), of their products (6) and of what they are from (3)."""
-COLUMNS = 14
-
-
-@njit(cache=True, nogil=True, fastmath={"contract"}, error_model="numpy")
+@compiled(fastmath={"contract"}, error_model="numpy")
 def add_moments(poses: Array, weights: Array, cell_of: NDArray[np.int64], cells: int) -> Array:
     """Return the moments (m, COLUMNS) of the particles (n, 3) in each cell."""
     moments = np.zeros((cells, COLUMNS))
@@ -149,7 +148,8 @@ def add_moments(poses: Array, weights: Array, cell_of: NDArray[np.int64], cells:
         cell = cell_of[i]
         if cell == seen:  # cells are numbered as they come
             seen += 1
-            moments[cell, ORIGIN : ORIGIN + 3] = poses[i]
+            for a in range(3):
+                moments[cell, ORIGIN + a] = poses[i, a]
         w = weights[i]
         x = poses[i, 0] - moments[cell, ORIGIN]
         y = poses[i, 1] - moments[cell, ORIGIN + 1]
@@ -168,7 +168,7 @@ def add_moments(poses: Array, weights: Array, cell_of: NDArray[np.int64], cells:
     return moments
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def describe(moments: Array, cluster_of: NDArray[np.int64], clusters: int) -> tuple[Array, Array]:
     """Return means (k, 3) and covariances (k, 3, 3) of the first clusters, by cells (m,).
 
@@ -182,14 +182,17 @@ def describe(moments: Array, cluster_of: NDArray[np.int64], clusters: int) -> tu
         k = cluster_of[cell]
         if k >= clusters:
             continue
-        offset[:2] = moments[cell, ORIGIN : ORIGIN + 2] - middle[k, :2]
+        for a in range(2):
+            offset[a] = moments[cell, ORIGIN + a] - middle[k, a]
         offset[2] = wrapped(moments[cell, ORIGIN + 2] - middle[k, 2])
         _add_about(sums[k], moments[cell], offset)
     means, covariances = np.empty((clusters, 3)), np.empty((clusters, 3, 3))
+    shift = np.empty(3)
     for k in range(clusters):
         mass = sums[k, MASS]
-        shift = sums[k, FIRST : FIRST + 3] / mass
-        means[k] = middle[k] + shift
+        for a in range(3):
+            shift[a] = sums[k, FIRST + a] / mass
+            means[k, a] = middle[k, a] + shift[a]
         means[k, 2] = wrapped(means[k, 2])
         independent = max(1 - sums[k, SQUARES] / mass**2, 0.5)
         column = SECOND
@@ -201,7 +204,7 @@ def describe(moments: Array, cluster_of: NDArray[np.int64], clusters: int) -> tu
     return means, covariances
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _middles(moments: Array, cluster_of: NDArray[np.int64], clusters: int) -> Array:
     """Return a pose (k, 3) inside each cluster to take offsets from; headings by unit vectors."""
     toward = np.zeros((clusters, 3))
@@ -213,14 +216,16 @@ def _middles(moments: Array, cluster_of: NDArray[np.int64], clusters: int) -> Ar
             toward[k, 0] += mass * math.cos(theta)
             toward[k, 1] += mass * math.sin(theta)
             toward[k, 2] += mass
-            middle[k, :2] += mass * moments[cell, ORIGIN : ORIGIN + 2]
+            for a in range(2):
+                middle[k, a] += mass * moments[cell, ORIGIN + a]
     for k in range(clusters):
-        middle[k, :2] /= toward[k, 2]
+        for a in range(2):
+            middle[k, a] /= toward[k, 2]
         middle[k, 2] = math.atan2(toward[k, 1], toward[k, 0])
     return middle
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _add_about(sums: Array, cell: Array, offset: Array) -> None:
     """Add a cell's moments to those about a pose from which its own are an offset (3,) away."""
     mass = cell[MASS]

@@ -13,9 +13,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import float32, int32, njit, uint32, uint64
+from numba import float32, int32, uint32, uint64
 from numpy.typing import NDArray
 
+from robot.compiling import compiled
 from robot.geometry import Array
 from robot.localization.kernels.entry_planes import (
     DIRECTIONS,
@@ -42,7 +43,7 @@ FACING_SHIFT = 32 - int(math.log2(DIRECTIONS))
 """Shifts such an angle so that its highest bits, which number the table's direction, remain."""
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def ray_ends(
     bearings: Array,
     ranges: Array,
@@ -72,7 +73,7 @@ def ray_ends(
     return rays
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def sum_over_rays(
     poses: Array,
     bearings: Array,
@@ -136,7 +137,7 @@ def sum_over_rays(
     return result
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def rows(count: int, length: int) -> NDArray[np.float32]:
     """Return an uninitialized array (count, length) that begins at the start of a cache line."""
     room = np.empty(count * length + LANES, dtype=np.float32)
@@ -144,7 +145,7 @@ def rows(count: int, length: int) -> NDArray[np.float32]:
     return room[skip : skip + count * length].reshape(count, length)
 
 
-@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
+@compiled(fastmath=True, error_model="numpy")
 def _in_cells(
     poses: Array, origin: tuple[float, float], scale: float
 ) -> tuple[tuple[Row, Row, Row, Row], NDArray[np.int32]]:
@@ -167,14 +168,14 @@ def _in_cells(
     return (x, y, cosines, sines), headings
 
 
-@njit(cache=True, nogil=True, fastmath=True, error_model="numpy", forceinline=True)
+@compiled(fastmath=True, error_model="numpy", forceinline=True)
 def _parts(angle: float) -> np.int32:
     """Return an angle [rad] in parts of ROUND, between -1/2 and 1/2 of a turn."""
     turns = angle / (2 * math.pi)
     return np.int32((turns - math.floor(turns + 0.5)) * (ROUND - 1))
 
 
-@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
+@compiled(fastmath=True, error_model="numpy")
 def _find_cells(
     places: tuple[Row, Row, Row, Row],
     headings: NDArray[np.int32],
@@ -207,7 +208,7 @@ def _find_cells(
         along_y[i] = v - float32(int32(row))
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _read(table: Words, cell_pairs: NDArray[np.uint64], word_pairs: NDArray[np.uint64]) -> None:
     """Read words of the table; write them in pairs, as processors write more slowly than they
     read."""
@@ -217,7 +218,7 @@ def _read(table: Words, cell_pairs: NDArray[np.uint64], word_pairs: NDArray[np.u
         word_pairs[i] = uint64(table[uint32(pair)]) | (second << uint64(32))
 
 
-@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
+@compiled(fastmath=True, error_model="numpy")
 def _add_curve(
     words: Words,
     along_x: Row,

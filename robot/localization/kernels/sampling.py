@@ -13,10 +13,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import float32, int32, njit, uint32, uint64
+from numba import float32, int32, uint32, uint64
 from numpy.polynomial import Chebyshev, Polynomial
 from numpy.typing import NDArray
 
+from robot.compiling import compiled
 from robot.geometry import Array
 
 
@@ -45,7 +46,7 @@ def noise_key(rng: np.random.Generator) -> int:
     return rng.bit_generator.random_raw() >> 1
 
 
-@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
+@compiled(fastmath=True, error_model="numpy")
 def _fill(key: np.uint64, result: NDArray[np.float32]) -> None:
     """Fill an array with normal numbers by Box and Muller (1958).
 
@@ -68,7 +69,7 @@ def _fill(key: np.uint64, result: NDArray[np.float32]) -> None:
         second[i] = radius * sine
 
 
-@njit(cache=True, nogil=True, fastmath=True, error_model="numpy", forceinline=True)
+@compiled(fastmath=True, error_model="numpy", forceinline=True)
 def _radius(word: np.uint32) -> np.float32:
     """Return sqrt(-2 log u) for u = (word + 1/2) / 2^32; the log is by exponent and mantissa."""
     number = np.float32(float32(word) + float32(0.5))
@@ -81,7 +82,7 @@ def _radius(word: np.uint32) -> np.float32:
     return float32(math.sqrt(max(minus, float32(0.0))))
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def normal_rows(key: int, rows: int, count: int) -> NDArray[np.float32]:
     """Return independent standard normal numbers (rows, count or one more)."""
     noise = np.empty((rows, count + count % 2), dtype=np.float32)
@@ -89,7 +90,7 @@ def normal_rows(key: int, rows: int, count: int) -> NDArray[np.float32]:
     return noise
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def comb(weights: Array, count: int, start: float) -> NDArray[np.int64]:
     """Return the indices (count,) of the drawn particles, in one walk along the weights.
 
@@ -115,7 +116,7 @@ def comb(weights: Array, count: int, start: float) -> NDArray[np.int64]:
     return drawn[:count]
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def count_cells(cells: NDArray[np.int64], drawn: NDArray[np.int64]) -> int:
     """Return in how many different cells the drawn particles lie; ``cells`` (n,) are of all."""
     seen = np.zeros(cells.max() + 1, dtype=np.bool_)
@@ -124,7 +125,7 @@ def count_cells(cells: NDArray[np.int64], drawn: NDArray[np.int64]) -> int:
     return int(np.count_nonzero(seen))
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def tempered(log_likelihood: Array, weights: Array, exponent: float, effective: float) -> Array:
     """Return new weights (n,), as ``particles.resampling.temper`` explains."""
     best = -np.inf
@@ -149,7 +150,7 @@ def tempered(log_likelihood: Array, weights: Array, exponent: float, effective: 
     return new
 
 
-@njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz"}, error_model="numpy")
+@compiled(fastmath={"reassoc", "contract", "nsz"}, error_model="numpy")
 def _powers(
     log_likelihood: Array, best: float, weights: Array, power: float, new: Array
 ) -> tuple[float, float]:

@@ -8,9 +8,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from robot.compiling import compiled
+from robot.covariance import outer
 from robot.geometry import Array
 from robot.localization.kernels.sampling import normal_rows
 from robot.localization.kernels.steps import wrapped
@@ -23,7 +24,7 @@ MOST_STRETCH = 2.0
 """Copies that would have to be stretched more than this are left as they are."""
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def spread_copies(
     poses: Array,
     labels: NDArray[np.int64],
@@ -52,7 +53,7 @@ def spread_copies(
     return np.ascontiguousarray(columns.T)
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _by_cluster(
     poses: Array, labels: NDArray[np.int64], drawn: NDArray[np.int64], described: int
 ) -> tuple[Array, NDArray[np.int64]]:
@@ -66,7 +67,8 @@ def _by_cluster(
         ends[min(labels[i], described)] += 1
     ends = np.cumsum(ends)
     free = np.zeros(described + 1, dtype=np.int64)
-    free[1:] = ends[:-1]
+    for k in range(described):
+        free[k + 1] = ends[k]
     columns = np.empty((3, len(drawn)))
     for i in drawn:
         k = min(labels[i], described)
@@ -76,7 +78,7 @@ def _by_cluster(
     return columns, ends
 
 
-@njit(cache=True, nogil=True, fastmath={"contract", "reassoc", "nsz"}, error_model="numpy")
+@compiled(fastmath={"contract", "reassoc", "nsz"}, error_model="numpy")
 def _add_noise(
     all_x: Array,
     all_y: Array,
@@ -104,10 +106,10 @@ def _add_noise(
         s11, s12, s22 = s11 + y * y, s12 + y * theta, s22 + theta * theta
     middle = np.array([s0, s1, s2]) / count
     squares = np.array([[s00, s01, s02], [s01, s11, s12], [s02, s12, s22]])
-    return middle, (squares - count * np.outer(middle, middle)) / (count - 1)
+    return middle, (squares - count * outer(middle, middle)) / (count - 1)
 
 
-@njit(cache=True, nogil=True, fastmath={"contract", "reassoc", "nsz"}, error_model="numpy")
+@compiled(fastmath={"contract", "reassoc", "nsz"}, error_model="numpy")
 def _place(
     all_x: Array, all_y: Array, all_theta: Array, mean: Array, middle: Array, stretch: Array
 ) -> None:
@@ -123,7 +125,7 @@ def _place(
         all_theta[i] = wrapped(mean_theta + tx * x + ty * y + tt * theta)
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _as_wide(current: Array, covariance: Array) -> Array:
     """Return the matrix (3, 3) that gives offsets with the current covariance the wanted one.
 
@@ -141,7 +143,7 @@ def _as_wide(current: Array, covariance: Array) -> Array:
     return stretch
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def lower_root(covariance: Array) -> Array:
     """Return the Cholesky factor (3, 3) of a covariance, lower triangular.
 

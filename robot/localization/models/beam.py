@@ -13,10 +13,10 @@ from robot.geometry import Array, heading_vectors
 from robot.localization.kernels.beam_sums import beam_log_likelihoods
 from robot.scan import Scan, evenly
 
-NEAR, FAR = 0.02, 0.08
-"""An edge closer than this to the begin or the end of a ray's sight [m] may be missed, because the
+MISSED_AT_START, MISSED_AT_END = 0.02, 0.08
+"""An edge closer than this to the start or the end of a ray's sight [m] may be missed, because the
 scanner must see the whole tape. Its far edge is 50 mm behind, or more if the ray crosses at a
-slant."""
+slant. ``ray_evidence`` reckons with the slant of each ray, by margins of its own."""
 
 
 @dataclass(frozen=True)
@@ -83,9 +83,9 @@ class Beam:
             rays[:, 4:] = 0.0, 0.0, self.range_max
         else:
             near, far = scan.sight[used].T
-            surely = np.minimum(far - FAR, self.range_max)
-            rays[:, 4:] = np.column_stack([near, near + NEAR, surely])
+            surely = np.minimum(far - MISSED_AT_END, self.range_max)
+            rays[:, 4:] = np.column_stack([near, near + MISSED_AT_START, surely])
         if scan.hidden is not None:
-            rays[:, 6] = np.minimum(rays[:, 6], scan.hidden[used, 0] - NEAR)
+            rays[:, 6] = np.minimum(rays[:, 6], scan.hidden[used, 0] - MISSED_AT_START)
         # A ray that is out of sight says nothing.
         return rays[~np.isnan(rays[:, 4])]

@@ -36,7 +36,7 @@ KEPT = 2
 """Tables kept in memory: up to 32 MB each, which saves 0.2 s."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class EntryField:
     """Distances [m] by direction, row (y) and column (x)."""
 

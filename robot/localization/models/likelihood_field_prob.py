@@ -6,9 +6,9 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from robot.compiling import compiled
 from robot.geometry import Array, heading_angles, heading_vectors
 from robot.localization.kernels.entry_planes import DIRECTIONS
 from robot.localization.models.likelihood_field import LikelihoodField
@@ -84,7 +84,7 @@ def _width(poses: Array, points: Array) -> float:
     return math.hypot(*poses[:, :2].std(axis=0), turned * reach)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(error_model="numpy")
 def _agreeing(
     poses: Array,
     points: Array,
@@ -106,7 +106,7 @@ def _agreeing(
     return agreeing / len(poses)
 
 
-@njit(cache=True, nogil=True, forceinline=True)
+@compiled(forceinline=True)
 def _distance(
     u: float, v: float, turn: float, distances: NDArray[np.float32], jump: float
 ) -> float:

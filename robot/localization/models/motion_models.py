@@ -31,6 +31,8 @@ __all__ = [
     "VelocityMotion",
     "sampled_moments",
 ]
+Sample = Callable[[Array, Pose2, np.random.Generator], Array]
+_ALPHAS = ("alpha1", "alpha2", "alpha3", "alpha4")
 
 
 class MotionModel(Protocol):
@@ -59,9 +61,6 @@ class MotionModel(Protocol):
             moved: the step by odometry, seen from its start.
         """
         ...
-
-
-Sample = Callable[[Array, Pose2, np.random.Generator], Array]
 
 
 def sampled_moments(sample: Sample, moved: Pose2, count: int = 1000) -> tuple[Pose2, Array]:
@@ -103,7 +102,6 @@ def loosened(model: MotionModel, factor: float) -> MotionModel:
     return model if factor == 1.0 else LoosenedMotion(model, factor)
 
 
-_ALPHAS = ("alpha1", "alpha2", "alpha3", "alpha4")
 MODELS: dict[str, tuple[Callable[..., MotionModel], tuple[str, ...]]] = {
     "differential": (DifferentialMotion, _ALPHAS),
     "omni": (OmniMotion, (*_ALPHAS, "alpha5")),

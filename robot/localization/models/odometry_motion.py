@@ -12,6 +12,9 @@ from robot.geometry import Array, Pose2, wrap_angle
 from robot.localization.kernels.sampling import noise_key
 from robot.localization.kernels.steps import noisy_step
 
+STANDING_M = 5e-4
+"""The direction of a shorter step [m] is only the rounding of the encoders."""
+
 
 class Legs(NamedTuple):
     """The parts of a step, or their standard deviations."""
@@ -42,10 +45,6 @@ def spread_of(legs: Legs, covariance: Array) -> Array:
     J = np.array([[-y, c, -s, 0.0], [x, s, c, 0.0], [1.0, 0.0, 0.0, 1.0]])
     end: Array = J @ covariance @ J.T
     return end
-
-
-STANDING_M = 5e-4
-"""The direction of a shorter step [m] is only the rounding of the encoders."""
 
 
 @dataclass(frozen=True, slots=True)

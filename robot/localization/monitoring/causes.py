@@ -1,4 +1,4 @@
-"""Finds the likeliest error: each leaves its own pattern in the residuals of scans and steps."""
+"""The likeliest cause of an error: each leaves a pattern in the residuals of scans and steps."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from robot.localization.estimate import Alert, Cause
-from robot.localization.monitoring.mounting_check import MountingError
+from robot.localization.monitoring.mounting_check import ApparentErrors
 from robot.localization.monitoring.odometry_check import OdometryErrors
 
 RAISED, CLEARED = 0.4, 3.0
@@ -44,7 +44,7 @@ class Findings:
     stamp: float
     elapsed: float
     odometry: OdometryErrors
-    mounting: MountingError
+    mounting: ApparentErrors
     returned: int
     spread: float
     """Share of the cloud that is effective."""

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from robot.covariance import widest
 from robot.geometry import Array, Pose2
-from robot.localization.estimate import Hypothesis, Integrity, Standing, State
+from robot.localization.estimate import ONLY_PLACE, Hypothesis, Integrity, Standing, State
 from robot.localization.monitoring.doubt import Doubt
 
 PLACE_QUANTILE, HEADING_QUANTILE = 3.72, 3.29
@@ -21,8 +21,6 @@ TURNED, WAY, TURN = 0.3, 0.03, 0.05
 and of a turn as a share of it."""
 MAX_RADIUS = 1.0
 """With a wider bound, the robot's place is unknown [m]: a single Gaussian may become so wide."""
-ONLY_PLACE = 0.95
-"""Weight above which a place counts as the only one."""
 ANY = 0.5
 """If all places together weigh less, the robot may be anywhere."""
 

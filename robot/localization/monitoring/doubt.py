@@ -10,7 +10,7 @@ from robot.geometry import Array
 from robot.localization.estimate import Alert
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Doubt:
     """How far an estimate may be off by errors that its covariance does not include."""
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from robot import ray_columns as column
 from robot.geometry import Array, Pose2
 from robot.localization.ray_evidence import RayEvidence
 
@@ -57,11 +58,11 @@ class FitCheck:
 
 def _gains(evidence: RayEvidence, poses: list[Pose2], rays: Array) -> list[float]:
     """Return how much better rays fit at poses than at a bad one; [] if they say nothing."""
-    seeing = rays[~np.isnan(rays[:, 4])]
+    seeing = rays[~np.isnan(rays[:, column.NEAR])]
     if not len(seeing):
         return []
     badly = evidence.background_log_likelihood(seeing)
     places = np.array([pose.to_array() for pose in poses])
     fits: list[float] = (evidence.log_likelihoods(places, seeing) - badly).tolist()
-    nothing = fits[0] == 0 and not np.isfinite(seeing[:, 3]).any()
+    nothing = fits[0] == 0 and not np.isfinite(seeing[:, column.RANGE]).any()
     return [] if nothing else fits

@@ -13,11 +13,11 @@ from dataclasses import replace
 import numpy as np
 
 from robot.geometry import Pose2, heading_angles, turned_covariance
-from robot.localization.estimate import Cause, Hypothesis
+from robot.localization.estimate import ONLY_PLACE, Cause, Hypothesis
 from robot.localization.monitoring.causes import Causes, Findings
 from robot.localization.monitoring.doubt import NO_DOUBT, Doubt
 from robot.localization.monitoring.fit_check import FitCheck
-from robot.localization.monitoring.mounting_check import LASER, Mounting, MountingCheck
+from robot.localization.monitoring.mounting_check import LASER, CameraPosition, MountingCheck
 from robot.localization.monitoring.odometry_check import OdometryCheck, OdometryErrors
 from robot.localization.monitoring.scan_residuals import residual_sums
 from robot.localization.monitoring.steady_errors import SteadyErrors, pose_errors
@@ -32,9 +32,9 @@ LAID_SD, LAID_SLOPE, LAID_GATE = 0.0003, 25.0, 0.03
 edges before it is checked."""
 LOOSE = np.diag(1 / np.square([0.03, 0.03, 0.1]))
 """Information by which the estimate then holds the pose: little [1/m², 1/m², 1/rad²]."""
-TRUSTED, EXPLAINED = 0.95, 0.6
-"""A place must weigh more than this, and explain more than this share of the returns, for errors of
-the robot to be learnt there."""
+EXPLAINED = 0.6
+"""The only place must explain more than this share of the returns, for errors of the robot to be
+learnt there."""
 TORN = 2.5
 """Wheels slip, or the robot was carried off, if steps differ from odometry by more spreads."""
 JUMP, JUMP_TURN = 0.04, 0.2
@@ -65,7 +65,7 @@ class Monitor:
     def __init__(
         self,
         evidence: RayEvidence,
-        mounting: Mounting = LASER,
+        mounting: CameraPosition = LASER,
         errors: SteadyErrors = SteadyErrors(),
     ) -> None:
         """Make a monitor of a robot of which nothing was seen yet.
@@ -113,7 +113,7 @@ class Monitor:
         """Switch to the evidence of other parameters."""
         self._evidence = evidence
         self._matcher = ScanMatcher(
-            evidence.index, evidence.range_max, LAID_SD, LAID_GATE, LAID_SLOPE
+            evidence.edge_index, evidence.range_max, LAID_SD, LAID_GATE, LAID_SLOPE
         )
 
     def compensate_lateness(self, hypothesis: Hypothesis) -> Hypothesis:
@@ -165,7 +165,7 @@ class Monitor:
         sums, used, returned = residual_sums(
             laid.to_array(),
             rays,
-            self._evidence.index,
+            self._evidence.edge_index,
             self._evidence.range_max,
             self._mounting.x,
             self._mounting.height,
@@ -176,7 +176,7 @@ class Monitor:
         self._fit.observe(self._evidence, rays, hypothesis.pose, expected)
         self._last = hypothesis.pose, odometry
         # At a wrong place, nothing can be learnt about the robot's errors.
-        trusted = hypothesis.weight > TRUSTED and self._fit.fits and used > EXPLAINED * returned
+        trusted = hypothesis.weight > ONLY_PLACE and self._fit.fits and used > EXPLAINED * returned
         if trusted:
             self._camera.observe(sums, used, elapsed)
             self._odometry.observe(scan.stamp, hypothesis.pose, odometry, hypothesis.covariance)
@@ -220,9 +220,9 @@ class Monitor:
         return self._fit.fits
 
     def _follow_tilt(self) -> None:
-        """Take a tilt off the next scans; poses by another tilt are no start of a step.
+        """Take a tilt off the next scans, and compare steps anew when it changes.
 
-        Else the shift of the pose would look like pictures that come late, or early.
+        Otherwise the pose's shift by the other tilt would look like latency of the pictures.
         """
         self._camera.follow()
         if np.abs(self._camera.applied - self._tilt_of_steps).max() > SAME_TILT:

@@ -1,4 +1,8 @@
-"""Position of the camera, which determines how its tilt changes scans."""
+"""Checks the camera's mounting and the map's scale by what no pose explains in scans.
+
+The pose is projected out of the residuals, as satellite receivers do it (RAIM, Brown 1992); what is
+left is compared with what a pitch or roll of the camera, or another scale of the map, would leave.
+"""
 
 from __future__ import annotations
 
@@ -6,16 +10,16 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
-from numba import njit
 
 from robot.camera import FloorView
+from robot.compiling import compiled
 from robot.covariance import inverse
 from robot.geometry import Array
 from robot.localization.monitoring.steady_errors import SteadyErrors
 
 
 @dataclass(frozen=True, slots=True)
-class Mounting:
+class CameraPosition:
     """Position of the camera on the robot; how a tilt changes ranges depends on it."""
 
     x: float
@@ -24,7 +28,7 @@ class Mounting:
     """Above the floor [m]."""
 
     @classmethod
-    def of(cls, view: FloorView) -> Mounting:
+    def of(cls, view: FloorView) -> CameraPosition:
         """Return the position of a camera above the floor."""
         x, _, height = view.robot_from_camera[:3, 3].tolist()
         return cls(x, height)
@@ -46,7 +50,7 @@ class Mounting:
         )
 
 
-LASER = Mounting(0.0, math.inf)
+LASER = CameraPosition(0.0, math.inf)
 """A laser measures ranges directly, and not by points that it sees on the floor."""
 
 
@@ -72,8 +76,8 @@ BLEND = 0.2
 """Share of a change of the tilt that is taken off the next scan."""
 
 
-@dataclass(frozen=True, slots=True)
-class MountingError:
+@dataclass(frozen=True, slots=True, eq=False)
+class ApparentErrors:
     """Apparent errors of the camera's mounting and of the map's scale."""
 
     pitch: float
@@ -143,10 +147,10 @@ class MountingCheck:
         wanted = tilt if sure and error.explained > EXPLAINS else np.zeros(2)
         self.applied = self.applied + BLEND * (wanted - self.applied)
 
-    def _likeliest(self) -> MountingError:
+    def _likeliest(self) -> ApparentErrors:
         values, covariance, explained, rest = _solve(self._sums, self._rays, self._prior)
         pitch, roll, scale = values.tolist()
-        return MountingError(pitch, roll, scale, covariance, explained, rest)
+        return ApparentErrors(pitch, roll, scale, covariance, explained, rest)
 
     def pose_error(self, scale_sd: float) -> tuple[Array, Array]:
         """Return the error of the last pose by what is not taken off, along the map's axes.
@@ -168,7 +172,7 @@ class MountingCheck:
         )
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _solve(sums: Array, rays: float, prior: Array) -> tuple[Array, Array, float, float]:
     """Return pitch, roll and scale (3,) that explain most of the residuals in sums (4, 4).
 
@@ -186,7 +190,7 @@ def _solve(sums: Array, rays: float, prior: Array) -> tuple[Array, Array, float,
     return values, covariance, explained / whole, (whole - explained) / max(rays, 1.0)
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _project_out_pose(sums: Array, caused: Array) -> tuple[Array, Array]:
     """Project the pose out of a scan's sums, and update how tilt and scale shift the pose.
 
@@ -207,7 +211,7 @@ def _project_out_pose(sums: Array, caused: Array) -> tuple[Array, Array]:
     return left, inverse(by_pose + held) @ (held @ caused - by_errors)
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _strongest(information: Array) -> float:
     """Return the largest information on the position along any direction [1/m²]."""
     xx, xy, yy = information[0, 0], information[0, 1], information[1, 1]

@@ -28,7 +28,7 @@ SETTLING = 1.5
 do not contradict odometry [s]. Time at rest does not count, as the filter then takes no scans."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class OdometryErrors:
     """Steady errors, estimated from the steps of the last seconds."""
 
@@ -63,7 +63,7 @@ class OdometryErrors:
         )
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class _Step:
     stamp: float
     pose: Pose2

@@ -13,8 +13,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
+from robot import ray_columns as column
+from robot.compiling import compiled
 from robot.fields.edge_index import EdgeIndex
 from robot.fields.ray_casting import cast_toward, tangent_at
 from robot.geometry import Array
@@ -31,7 +32,7 @@ TAIL = 9.0
 """Squared distance, in spreads, at which an end counts half."""
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def residual_sums(
     pose: Array,
     rays: Array,
@@ -63,13 +64,13 @@ def residual_sums(
     c, s = math.cos(pose[2]), math.sin(pose[2])
     used = returned = 0
     for i in range(len(rays)):
-        near, length = rays[i, 4], rays[i, 3]
+        near, length = rays[i, column.NEAR], rays[i, column.RANGE]
         if math.isnan(near) or not math.isfinite(length):
             continue
         returned += 1
-        turn = rays[i, 2]
-        ahead = c * rays[i, 0] - s * rays[i, 1]
-        aside = s * rays[i, 0] + c * rays[i, 1]
+        turn = rays[i, column.DIRECTION]
+        ahead = c * rays[i, column.X] - s * rays[i, column.Y]
+        aside = s * rays[i, column.X] + c * rays[i, column.Y]
         dx, dy = math.cos(pose[2] + turn), math.sin(pose[2] + turn)
         x, y = pose[0] + ahead + near * dx, pose[1] + aside + near * dy
         expected, edge = cast_toward(x, y, dx, dy, index, range_max - near)
@@ -86,8 +87,8 @@ def residual_sums(
         # robot's. With the measured end, the noise of grazing rays would look like a tilt.
         reach = near + expected
         ux, uy = ahead + reach * dx, aside + reach * dy
-        X = rays[i, 0] + reach * math.cos(turn) - camera_x
-        Y = rays[i, 1] + reach * math.sin(turn)
+        X = rays[i, column.X] + reach * math.cos(turn) - camera_x
+        Y = rays[i, column.Y] + reach * math.sin(turn)
         ahead_n, aside_n = nx * c + ny * s, ny * c - nx * s
         row[0], row[1], row[2] = nx, ny, ny * ux - nx * uy
         row[3] = row[4] = 0.0

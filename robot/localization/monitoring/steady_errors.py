@@ -6,8 +6,9 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
-from numba import njit
 
+from robot.compiling import compiled
+from robot.covariance import outer
 from robot.description.spec import RobotSpec
 from robot.geometry import Array
 
@@ -22,7 +23,7 @@ SAME_MOUNT = math.radians(0.03)
 """How far a mast may have bent since its calibration [rad]."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class SteadyErrors:
     """Standard deviations of errors that stay the same over a drive."""
 
@@ -60,7 +61,7 @@ class SteadyErrors:
         return cls(odometry, np.append(tilt, CAREFUL_MOUNT[2]), measured)
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def pose_errors(
     heading: float,
     v: float,
@@ -102,15 +103,19 @@ def pose_errors(
     beyond = np.diag(_beyond(mean, spread) ** 2) + wiggle
     if lateness != 0:
         # The corrected lateness is not known better than this.
-        beyond += covariance[0, 0] * np.outer(offset[:, 0], offset[:, 0])
+        beyond += covariance[0, 0] * outer(offset[:, 0], offset[:, 0])
     known = rotation @ beyond @ back + np.diag(_beyond(caused, caused_spread) ** 2)
-    unknown = rotation @ (np.outer(mean, mean) + spread) @ back
-    unknown += np.outer(caused, caused) + caused_spread
+    unknown = rotation @ (outer(mean, mean) + spread) @ back
+    unknown += outer(caused, caused) + caused_spread
     return known, unknown
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _beyond(mean: Array, covariance: Array) -> Array:
     """Return the significant part of means (3,): above one spread, less half of it; else zero."""
-    sd = np.sqrt(np.diag(covariance))
-    return np.where(np.abs(mean) > sd, np.abs(mean) - 0.5 * sd, 0.0)
+    result = np.zeros(3)
+    for i in range(3):
+        size, sd = abs(mean[i]), np.sqrt(covariance[i, i])
+        if size > sd:
+            result[i] = size - 0.5 * sd
+    return result

@@ -6,8 +6,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from robot.compiling import compiled
 from robot.covariance import inverse
 from robot.geometry import Array
 
@@ -46,7 +46,7 @@ class StepSums(NamedTuple):
     """(2,): number of steps, and of the last seconds' steps."""
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def add_step(
     sums: StepSums,
     values: Array,
@@ -117,7 +117,7 @@ def add_step(
     return estimate_errors(sums)
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _add(sums: StepSums, columns: Array, offset: Array, weights: Array) -> None:
     """Add the information of a step (3,) on the errors, by its columns (3, 7)."""
     weighed = np.ascontiguousarray(columns.T * weights)
@@ -125,7 +125,7 @@ def _add(sums: StepSums, columns: Array, offset: Array, weights: Array) -> None:
     sums.pull[:] += weighed @ offset
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def estimate_errors(sums: StepSums) -> tuple[Array, Array, Array]:
     """Return the errors (7,), their covariance (7, 7), and the unexplained rest of steps (3,)."""
     covariance = inverse(sums.information + sums.prior)
@@ -134,7 +134,7 @@ def estimate_errors(sums: StepSums) -> tuple[Array, Array, Array]:
     return covariance @ sums.pull, covariance, rest
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def step_columns(moved: Array, first: Array, last: Array) -> Array:
     """Return how a step changes by a unit of each of ``ERRORS`` (3, 7), seen from its end.
 
@@ -160,13 +160,13 @@ def step_columns(moved: Array, first: Array, last: Array) -> Array:
     return columns
 
 
-@njit(cache=True, nogil=True, inline="always")
+@compiled(inline="always")
 def _compose(a: Array, b: Array) -> Array:
     c, s = math.cos(a[2]), math.sin(a[2])
     return np.array([a[0] + c * b[0] - s * b[1], a[1] + s * b[0] + c * b[1], a[2] + b[2]])
 
 
-@njit(cache=True, nogil=True, inline="always")
+@compiled(inline="always")
 def _inverse(a: Array) -> Array:
     c, s = math.cos(a[2]), math.sin(a[2])
     return np.array([-c * a[0] - s * a[1], s * a[0] - c * a[1], -a[2]])

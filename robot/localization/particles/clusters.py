@@ -30,7 +30,7 @@ class Cells:
     """Boxes in a full turn."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Clusters:
     """Which particles belong together."""
 

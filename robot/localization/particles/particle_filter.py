@@ -1,4 +1,4 @@
-"""Adaptive Monte Carlo localization (Probabilistic Robotics, Tables 8.2 and 8.4; nav2_amcl)."""
+"""The particle filter: AMCL (Probabilistic Robotics, Tables 8.2 and 8.4; nav2_amcl)."""
 
 from __future__ import annotations
 

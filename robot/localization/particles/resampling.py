@@ -10,9 +10,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from robot.compiling import compiled
 from robot.geometry import Array
 from robot.localization.kernels.sampling import comb, noise_key, tempered
 from robot.localization.kernels.spread_copies import spread_copies
@@ -56,7 +56,7 @@ class Recovery:
         return max(0.0, 1.0 - self.fast / self.slow) if self.slow > 0 else 0.0
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def coarseness(
     weights: Array, covariances: Array, particles: int, ranges: Array
 ) -> tuple[float, int]:
@@ -85,7 +85,7 @@ def coarseness(
     return float(apart), len(returned)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Resampled:
     """Which particles were drawn; their copies may be in another order."""
 

@@ -10,9 +10,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from robot.compiling import compiled
 from robot.geometry import Array, Pose2
 from robot.mapping.graph.likelihood_pyramid import CELL, Levels, LikelihoodPyramid
 
@@ -61,7 +61,7 @@ def best_pose(
     return Pose2(x * CELL + field.corner[0], y * CELL + field.corner[1], turn), score
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def branch_and_bound(
     levels: Levels,
     place: Array,
@@ -123,7 +123,7 @@ def branch_and_bound(
     return best, score
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _branch(
     field: Levels,
     cells: Whole,
@@ -158,7 +158,7 @@ def _branch(
     return size
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _placed(points: Array, place: Array, heading: float, cells: Whole) -> None:
     c, s = math.cos(heading), math.sin(heading)
     for i in range(len(points)):
@@ -166,7 +166,7 @@ def _placed(points: Array, place: Array, heading: float, cells: Whole) -> None:
         cells[i, 1] = math.floor(place[1] + s * points[i, 0] + c * points[i, 1])
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _bound(
     field: Levels,
     cells: Whole,

@@ -23,7 +23,7 @@ class Constraint:
     """Node in whose frame it was measured."""
     end: int
     moved: Pose2
-    """Pose of the end in the begin's frame."""
+    """Pose of the end in the start's frame."""
     information: Array = field(repr=False)
     """(3, 3) inverse of its covariance [m, m, rad]; may be singular."""
     by_odometry: bool = False
@@ -36,7 +36,7 @@ class Constraint:
         return rows
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ConstraintArrays:
     """All constraints as arrays."""
 

@@ -10,11 +10,13 @@ from robot.geometry import Array, Pose2
 from robot.mapping.graph.branch_and_bound import Window, best_pose
 from robot.mapping.graph.constraints import Constraint
 from robot.mapping.graph.likelihood_pyramid import LikelihoodPyramid
-from robot.mapping.graph.point_to_line import Match, match_scans
+from robot.mapping.graph.point_to_line import ScanAlignment, match_scans
 from robot.mapping.graph.pose_graph import PoseGraph
 from robot.mapping.graph.surfaces import Surfaces
 from robot.scan import evenly
 
+MATCH_GATE_M = 0.3
+"""Largest distance of points that belong together when scans are matched [m]."""
 FEWEST = 10
 """A scan tells where the robot is if at least this many of its beams met something."""
 MOST_POINTS = 150
@@ -71,7 +73,7 @@ class KeyFrames:
             return None
         return Constraint(begin, end, match.pose, match.information)
 
-    def _fits(self, match: Match, node: int) -> bool:
+    def _fits(self, match: ScanAlignment, node: int) -> bool:
         common = LEAST_COMMON * len(self.surfaces[node])
         return match.share >= LEAST_SHARE and match.fitting >= max(common, FEWEST)
 

@@ -9,7 +9,7 @@ import numpy as np
 from robot.geometry import Pose2
 from robot.mapping.graph.branch_and_bound import Window
 from robot.mapping.graph.constraints import Constraint
-from robot.mapping.graph.key_frames import KeyFrames, search
+from robot.mapping.graph.key_frames import MATCH_GATE_M, KeyFrames, search
 
 OLD = 25
 """A loop leads to a scan that is at least this many scans older."""
@@ -30,8 +30,6 @@ LEVELS = 6
 """Resolutions of the field."""
 SCORE = 0.55
 """Least fit of a loop."""
-GATE = 0.3
-"""Largest distance of points that belong together [m]."""
 MATCHES = 4
 """Most scans of a chain that are matched one by one, and ..."""
 FEWEST_MATCHES = 2
@@ -120,7 +118,7 @@ class LoopCloser:
         chain = sorted(chain, key=lambda other: self._graph.pose(other).distance_to(place))
         constraints = []
         for other in chain:
-            constraint = frames.constraint(other, node, place, GATE)
+            constraint = frames.constraint(other, node, place, MATCH_GATE_M)
             if constraint is not None:
                 constraints.append(constraint)
             if len(constraints) == MATCHES:

@@ -10,8 +10,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from robot.compiling import compiled
 from robot.geometry import Array, Pose2
 from robot.mapping.graph.surfaces import Surfaces
 
@@ -30,7 +30,7 @@ FLOOR = np.diag(np.square([0.007, 0.007, 0.003]))
 """Covariance (3, 3) that no match is below [m, m, rad]."""
 
 
-class Match(NamedTuple):
+class ScanAlignment(NamedTuple):
     """Where a scan lies on another one."""
 
     pose: Pose2
@@ -43,7 +43,7 @@ class Match(NamedTuple):
     """Number of them."""
 
 
-def match_scans(scan: Surfaces, other: Surfaces, pose: Pose2, gate: float) -> Match:
+def match_scans(scan: Surfaces, other: Surfaces, pose: Pose2, gate: float) -> ScanAlignment:
     """Move a scan to where it lies on another one.
 
     Args:
@@ -56,7 +56,7 @@ def match_scans(scan: Surfaces, other: Surfaces, pose: Pose2, gate: float) -> Ma
     information = TEMPER * _clipped(information)
     believed = np.linalg.solve(np.eye(3) + information @ FLOOR, information)
     share = fitting / max(near, 1)
-    return Match(Pose2(*fitted.tolist()), (believed + believed.T) / 2, share, fitting)
+    return ScanAlignment(Pose2(*fitted.tolist()), (believed + believed.T) / 2, share, fitting)
 
 
 def _clipped(information: Array) -> Array:
@@ -66,7 +66,7 @@ def _clipped(information: Array) -> Array:
     return clipped
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def fit_points(
     points: Array,
     normals: Array,
@@ -109,7 +109,7 @@ def fit_points(
     return pose, total, fitting, near
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def equations(
     points: Array,
     normals: Array,
@@ -163,7 +163,7 @@ def equations(
     return fitting, near
 
 
-@njit(cache=True, nogil=True, inline="always")
+@compiled(inline="always")
 def _weigh(nx: float, ny: float, distance: float, spread: float, W: Array) -> None:
     """Write the information (2, 2) of a point: across a surface, or around another point.
 
@@ -179,7 +179,7 @@ def _weigh(nx: float, ny: float, distance: float, spread: float, W: Array) -> No
     W[0, 1] = W[1, 0] = weight * (1 + spread) * nx * ny
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _nearest(
     x: float, y: float, facing_x: float, facing_y: float, targets: Array, normals: Array
 ) -> tuple[int, float]:

@@ -6,9 +6,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from robot.compiling import compiled
 from robot.geometry import Array, Pose2
 from robot.mapping.grid.beams import Beams
 from robot.scan import evenly
@@ -65,7 +65,7 @@ class Surfaces(NamedTuple):
         return np.hstack([before, placed])
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def surface_normals(points: Array, origins: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
     """Return normals (n, 2), the variances of their directions (n,), and what is joined (n,).
 
@@ -97,7 +97,7 @@ def surface_normals(points: Array, origins: Array) -> tuple[Array, Array, NDArra
     return normals, spread, joined
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _step(beams: Array) -> float:
     """Return the angle from beam to beam [rad], typically."""
     if len(beams) < 2:
@@ -106,12 +106,12 @@ def _step(beams: Array) -> float:
     return float(np.median(np.abs((turns + math.pi) % (2 * math.pi) - math.pi)))
 
 
-@njit(cache=True, nogil=True, inline="always")
+@compiled(inline="always")
 def _near(points: Array, i: int, k: int) -> bool:
     return math.hypot(points[i, 0] - points[k, 0], points[i, 1] - points[k, 1]) < RADIUS
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _fit(points: Array, beam: Array, normal: Array, spread: Array) -> None:
     """Write the normal (2,) of a line through points, and its direction's variance (1,)."""
     n = len(points)

@@ -8,7 +8,7 @@ from robot.geometry import Array, Pose2, turned_covariance
 from robot.localization.models.motion_models import MotionModel
 from robot.mapping.graph.branch_and_bound import NOWHERE, Window, best_pose
 from robot.mapping.graph.constraints import Constraint
-from robot.mapping.graph.key_frames import KeyFrames
+from robot.mapping.graph.key_frames import MATCH_GATE_M, KeyFrames
 from robot.mapping.graph.likelihood_pyramid import CELL
 from robot.mapping.graph.surfaces import Surfaces
 
@@ -22,8 +22,6 @@ SURE = 0.5
 """A fit on the local map below this is looked for farther away, too: odometry may have jumped."""
 JUMP = np.array([1.5, 1.5, 0.8])
 """How far away it is searched for [m, m, rad]."""
-GATE = 0.3
-"""Largest distance of points that belong together [m]."""
 PRIOR_SD = np.array([0.01, 0.01, 0.01])
 """Least standard deviations of odometry [m, m, rad]."""
 
@@ -73,7 +71,7 @@ def _matches(frames: KeyFrames, local: list[int], node: int, pose: Pose2) -> lis
         return place.distance_to(pose) + 2 * abs(place.turn_to(pose))
 
     nearest = [local[-1], *sorted(local[:-1], key=away)[: NEIGHBOURS - 1]]
-    constraints = (frames.constraint(other, node, pose, GATE) for other in nearest)
+    constraints = (frames.constraint(other, node, pose, MATCH_GATE_M) for other in nearest)
     return [constraint for constraint in constraints if constraint is not None]
 
 

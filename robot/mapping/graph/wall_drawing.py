@@ -15,7 +15,7 @@ MARGIN = 2
 """Cells around all that was seen."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class WallDrawing:
     """Log odds of cells, and where beams ended in them."""
 

@@ -8,17 +8,17 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from robot.calibration.adjustment import State
+from robot.calibration.adjustment import DriveEstimate
 from robot.calibration.drive_log import DriveLog
-from robot.calibration.unknowns import COUNT
 from robot.calibration.wheel_motion import WheelMotion
 from robot.description.spec import RobotSpec
+from robot.description.unknowns import COUNT
 from robot.geometry import Array, Pose2
 from robot.mapping.ends import RaysOnFloor
 from robot.scan import Scan
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Beams:
     """The beams of one scan or picture; points (n, 2) in the robot's frame [m]."""
 
@@ -41,11 +41,25 @@ class Beams:
         begin = np.tile(scan.robot_from_scan.to_array()[:2], (int(hit.sum()), 1))
         return cls(begin, ends, ends, np.ones(len(ends), bool))
 
+    def seen_from(self, place: Pose2) -> Beams:
+        """Return the same beams in the frame in which their robot is at a place."""
+        begin, end, beyond = (place.apply(ends) for ends in (self.begin, self.end, self.beyond))
+        return Beams(begin, end, beyond, self.hit)
+
+    def and_of(self, other: Beams) -> Beams:
+        """Return these beams and others of the same frame as one look."""
+        return Beams(
+            np.concatenate([self.begin, other.begin]),
+            np.concatenate([self.end, other.end]),
+            np.concatenate([self.beyond, other.beyond]),
+            np.concatenate([self.hit, other.hit]),
+        )
+
 
 def of_pictures(log: DriveLog, spec: RobotSpec) -> list[Beams]:
     """Return the beams of each picture of a drive: where rays enter tape, and leave it."""
     count = len(log.stamps)
-    still = State(np.zeros(COUNT), np.zeros((count, 3)), np.zeros((count, 2)))
+    still = DriveEstimate(np.zeros(COUNT), np.zeros((count, 3)), np.zeros((count, 2)))
     rays = RaysOnFloor.of(log, spec, still)
     hit = np.isfinite(rays.entry[:, 0]) & np.isfinite(rays.leaving[:, 0])
     met = np.isfinite(rays.first)

@@ -1,4 +1,4 @@
-"""What every way to draw an occupancy grid offers."""
+"""What every mapper of cells offers: a way to draw an occupancy grid."""
 
 from __future__ import annotations
 

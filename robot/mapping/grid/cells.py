@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from robot.compiling import compiled
 from robot.geometry import Array
 
 Grids = NDArray[np.float32]
@@ -23,7 +23,7 @@ RANDOM = 0.05
 """Share of beams that meet anything, such as people: none counts more than that against a pose."""
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def updated_occupancy_grid(
     odds: Grids,
     ends: Grids,
@@ -70,7 +70,7 @@ def updated_occupancy_grid(
             ends[row, column, 5] += dy * dy
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def measurement_model_map(
     odds: Grids, ends: Grids, corner: Array, cell: float, pose: Array, met: Array, sd: float
 ) -> float:
@@ -96,7 +96,7 @@ def measurement_model_map(
     return total
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def known_ends(
     odds: Grids, corner: Array, cell: float, pose: Array, met: Array
 ) -> NDArray[np.bool_]:
@@ -115,7 +115,7 @@ def known_ends(
     return known
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _square(odds: Grids, ends: Grids, cell: float, x: float, y: float, sd: float) -> float:
     """Return the squared distance of a beam's end from where others ended, in deviations.
 
@@ -144,7 +144,7 @@ def _square(odds: Grids, ends: Grids, cell: float, x: float, y: float, sd: float
     return float((yy * mx * mx - 2 * xy * mx * my + xx * my * my) / (xx * yy - xy * xy))
 
 
-@njit(cache=True, nogil=True, inline="always")
+@compiled(inline="always")
 def _placed(point: Array, pose: Array, c: float, s: float, corner: Array) -> tuple[float, float]:
     """Return a point of the robot's frame from the grid's corner [m]."""
     x = pose[0] + c * point[0] - s * point[1] - corner[0]
@@ -152,7 +152,7 @@ def _placed(point: Array, pose: Array, c: float, s: float, corner: Array) -> tup
     return x, y
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _add_line(
     odds: Grids, x0: float, y0: float, x1: float, y1: float, until: float, cell: float, more: float
 ) -> None:

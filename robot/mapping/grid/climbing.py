@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from robot.compiling import compiled
 from robot.geometry import Array
 from robot.mapping.grid.cells import Grids, known_ends, measurement_model_map
 
@@ -14,7 +14,7 @@ HALVINGS = 6
 """Times that the step is halved."""
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def climbed(
     odds: Grids,
     ends: Grids,
@@ -68,7 +68,7 @@ def climbed(
     return best, fit + unknown
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _reach(met: Array) -> float:
     """Return how far away beams typically ended [m]."""
     return max(1e-3, float(np.median(np.hypot(met[:, 0], met[:, 1]))))

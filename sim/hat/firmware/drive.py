@@ -12,9 +12,15 @@ TICK = 0.01
 
 SHORTEST = 2 * TICK
 """Shortest pulse or ramp [s]."""
+ONE = 65536
+"""Full drive in the firmware's fixed point."""
+STEPS = 255
+"""Full drive in steps of the driver chip."""
+FIRST_LIMIT = 6554
+"""Largest drive of a port until it is set: a tenth of full drive."""
 
 
-class Shape(Enum):
+class WaveShape(Enum):
     """Shape of a setpoint over time; the names are those of the command language."""
 
     PULSE = "pulse"
@@ -38,18 +44,18 @@ class Waveform:
 
     def hold(self, value: float) -> None:
         """Set a constant."""
-        self._shape: Shape | None = None
+        self._shape: WaveShape | None = None
         self._start = self._end = value
         self._length = 1.0
 
-    def begin(self, shape: Shape, start: float, end: float, length: float) -> None:
+    def begin(self, shape: WaveShape, start: float, end: float, length: float) -> None:
         """Begin a pulse at ``start``, or a ramp from ``start`` to ``end``; length in seconds."""
         self._shape = shape
         self._start, self._end = start, end
         self._length = single(clamped(length, SHORTEST, 1e30))
         self._time = 0.0
 
-    def advance(self) -> Shape | None:
+    def advance(self) -> WaveShape | None:
         """Advance by 10 ms to a new ``setpoint``.
 
         Returns:
@@ -66,13 +72,13 @@ class Waveform:
             time = 0.0
         self._time = time
         self.setpoint = self._start
-        if self._shape is Shape.RAMP:
+        if self._shape is WaveShape.RAMP:
             share = single(time / self._length)
             self.setpoint = single(self._start + single(single(self._end - self._start) * share))
         return ended
 
 
-class Control(Enum):
+class ControlMode(Enum):
     """Meaning of the setpoint."""
 
     DIRECT = 0
@@ -103,7 +109,7 @@ class Controller:
     )
 
     def __init__(self) -> None:
-        self.control = Control.DIRECT
+        self.control = ControlMode.DIRECT
         self.variable = Variable()
         self.proportional_gain = self.integral_gain = self.derivative_gain = 0.0
         self.windup = 0.0
@@ -117,9 +123,9 @@ class Controller:
             modes: data of all ports.
             setpoint: the wanted drive, value or rate.
         """
-        if self.control is Control.DIRECT:
+        if self.control is ControlMode.DIRECT:
             return setpoint
-        value = self.variable.read(modes, self.control is Control.RATE, self._value)
+        value = self.variable.read(modes, self.control is ControlMode.RATE, self._value)
         if value is None:
             return None
         self._value = value
@@ -138,22 +144,12 @@ class Controller:
         return -single(both + single(derivative * self.derivative_gain))
 
 
-ONE = 65536
-"""Full drive in the firmware's fixed point."""
-
-STEPS = 255
-"""Full drive in steps of the driver chip."""
-
-FIRST_LIMIT = 6554
-"""Largest drive of a port until it is set: a tenth of full drive."""
-
-
 def fixed_point(part: float) -> int:
     """Return a share of full drive, clipped to 0..1, in fixed point."""
     return int(clamped(part, 0, 1) * ONE + 0.5)
 
 
-class Bridge:
+class HBridge:
     """Motor driver; it makes small drives from the right share of 10 ms slots at the threshold."""
 
     __slots__ = ("_owed", "least", "limit", "steps", "threshold")

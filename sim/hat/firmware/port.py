@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from struct import Struct
 
-from sim.hat.firmware.drive import Bridge, Controller, Waveform
+from sim.hat.firmware.drive import Controller, HBridge, Waveform
 from sim.hat.firmware.reports import Selection, Writer, combination_line, mode_line
 from sim.hat.firmware.variables import MODES, ModeData, Modes
 from sim.hat.lego_motor import LegoMotor, ValueType
@@ -99,7 +99,7 @@ class Port:
     def __init__(self, number: int, write: Writer) -> None:
         self.number = number
         self._write = write
-        self.bridge = Bridge()
+        self.bridge = HBridge()
         self.selection = Selection()
         self.known: LegoMotor | None = None
         """The device that was set up last; its type and modes stay known after it is lost."""

@@ -81,8 +81,8 @@ def mode_line(port: int, number: int, mode: Mode, data: ModeData) -> str:
     if data.length == 0:
         return ""
     size = mode.type.size
-    places = range(0, min(mode.count * size, data.length - size + 1), size)
-    values = "".join(" " + _text(mode.type, data, place) for place in places)
+    offsets = range(0, min(mode.count * size, data.length - size + 1), size)
+    values = "".join(" " + _text(mode.type, data, offset) for offset in offsets)
     return f"P{port}M{number}:{values}\r\n"
 
 
@@ -90,14 +90,14 @@ def combination_line(
     port: int, slot: int, pairs: Pairs, modes: Sequence[Mode], data: ModeData
 ) -> str:
     """Return a line with one number for each pair of a combination, in their order."""
-    line, place = f"P{port}C{slot}:", 0
+    line, offset = f"P{port}C{slot}:", 0
     for number, _ in pairs:
         kind = modes[number].type if number < len(modes) else ValueType.INT8
-        line += " " + _text(kind, data, place)
-        place += kind.size
+        line += " " + _text(kind, data, offset)
+        offset += kind.size
     return line + "\r\n"
 
 
-def _text(kind: ValueType, data: ModeData, place: int) -> str:
-    (value,) = INTEGERS[kind].unpack_from(data.content, place)
+def _text(kind: ValueType, data: ModeData, offset: int) -> str:
+    (value,) = INTEGERS[kind].unpack_from(data.content, offset)
     return f"{value:+d}" if value else " 0"

@@ -7,22 +7,9 @@ from ctypes import c_float
 from dataclasses import dataclass, field
 from struct import Struct
 
-
-def single(value: float) -> float:
-    """Return the nearest IEEE 754 single, or an infinity beyond its range."""
-    return c_float(value).value
-
-
-def clamped(value: float, low: float, high: float) -> float:
-    """Clip ``value`` to ``low`` first and then to ``high``, as the firmware does."""
-    value = max(value, low)
-    return min(value, high)
-
-
 MODES = 16
 PAYLOAD = 128
 """Longest data message [bytes]."""
-
 LAYOUTS = {
     "u1": Struct("<B"),
     "s1": Struct("<b"),
@@ -34,6 +21,17 @@ LAYOUTS = {
 }
 RATE = 100.0
 """Number of differences a second, one each 10 ms: it converts them to a rate [1/s]."""
+
+
+def single(value: float) -> float:
+    """Return the nearest IEEE 754 single, or an infinity beyond its range."""
+    return c_float(value).value
+
+
+def clamped(value: float, low: float, high: float) -> float:
+    """Clip ``value`` to ``low`` first and then to ``high``, as the firmware does."""
+    value = max(value, low)
+    return min(value, high)
 
 
 @dataclass(slots=True)

@@ -1,0 +1,1 @@
+"""Compiles functions before they are needed, on all cores, with progress."""

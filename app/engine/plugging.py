@@ -1,0 +1,137 @@
+"""What takes part in a process: the features, and the engine's tables with what they add."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from importlib import import_module
+
+from app.engine.command_row import CommandRow, collected
+from app.engine.companions import Companion, Companions, NewCompanion
+from app.engine.robot_kind import RobotKind
+from app.engine.value import Value
+from app.feature import Feature
+from app.feature_search import Features, failure_of, find_features
+from app.messages.message import CommandMessage
+from app.settings.config import Config
+from robot.errors import BrickPoseError
+from robot.fields.field import Field
+from robot.interface import Robot
+
+ROOMS_WITH_COMMANDS = (
+    "app.engine.driving_commands",
+    "app.engine.hand_commands",
+    "app.engine.pose_commands",
+    "app.engine.filter_commands",
+    "app.engine.profile_command",
+    "app.engine.fault_commands",
+    "app.page.commands",
+)
+"""Modules of the core with rows, as ``COMMANDS``. They are named and not imported: the engine does
+not know the page."""
+ROOM_WITH_VALUES = "app.engine.values"
+ROOM_WITH_ROBOTS = "app.engine.simulated_robots"
+
+
+@dataclass(frozen=True)
+class Plugged:
+    """The engine's tables, ours first."""
+
+    features: Features
+    """Those that take part; one whose commands or values cannot be used is among the failures."""
+    rows: Mapping[type[CommandMessage], CommandRow]
+    """How each type of command is carried out."""
+    values: tuple[Value, ...]
+    """What ticks show."""
+    companions: tuple[tuple[str, NewCompanion], ...]
+    """What goes along with each engine, and whose it is."""
+    robots: Mapping[str, RobotKind]
+    """What ``--robot`` chooses from, by name."""
+
+    @classmethod
+    def of_core(cls, features: Features) -> Plugged:
+        """Return our tables before a feature adds to them."""
+        rows = [row for room in ROOMS_WITH_COMMANDS for row in import_module(room).COMMANDS]
+        values: tuple[Value, ...] = import_module(ROOM_WITH_VALUES).VALUES
+        robots = {kind.name: kind for kind in import_module(ROOM_WITH_ROBOTS).ROBOTS}
+        return cls(features, collected(rows), values, (), robots)
+
+    def with_feature(self, feature: Feature) -> Plugged:
+        """Return the tables with what a feature adds: all of it.
+
+        Raises:
+            ValueError: a command, a value or a robot has a name that is taken.
+            TypeError: something is of another type than its hook takes.
+        """
+        rows = [row for make in feature.commands for row in make()]
+        values = [value for make in feature.values for value in make()]
+        companions = tuple((feature.name, make) for make in feature.companions)
+        robots = {kind.name: kind for make in feature.robots for kind in make()}
+        _require_new(values, self.values)
+        for name in robots.keys() & self.robots.keys():
+            raise ValueError(f"there is a robot {name!r} already")
+        return replace(
+            self,
+            rows=collected((*self.rows.values(), *rows)),
+            values=(*self.values, *values),
+            companions=(*self.companions, *companions),
+            robots={**self.robots, **robots},
+        )
+
+
+_PLUGGED: list[Plugged] = []
+"""The tables of this process; none until somebody asks for them."""
+_LOCK = threading.RLock()
+
+
+def plug_in(features: Features) -> Features:
+    """Let features take part in this process, in place of those before.
+
+    Returns:
+        The features, with those named as failures whose commands or values cannot be used.
+    """
+    tables = Plugged.of_core(features)
+
+    def add(feature: Feature) -> Iterable[None]:
+        nonlocal tables
+        tables = tables.with_feature(feature)
+        return ()
+
+    _, failures = features.made(add)
+    features = replace(features, failures=(*features.failures, *failures))
+    with _LOCK:
+        _PLUGGED[:] = [replace(tables, features=features)]
+    return features
+
+
+def plugged() -> Plugged:
+    """Return the tables of this process; by default, all features that are installed take part."""
+    with _LOCK:
+        if not _PLUGGED:
+            plug_in(find_features())
+        return _PLUGGED[0]
+
+
+def companions_of(config: Config, robot: Robot, field: Field) -> Companions:
+    """Return what goes along with a new engine; a feature that makes nothing harms no other."""
+    made: list[tuple[str, Companion]] = []
+    failures: dict[str, str] = {}
+    for name, make in plugged().companions:
+        try:
+            made += [(name, companion) for companion in make(config, robot, field)]
+        except BrickPoseError:
+            raise
+        except Exception as error:
+            failures[name] = failure_of(name, error)
+    return Companions(made, failures)
+
+
+def _require_new(values: Iterable[Value], known: Iterable[Value]) -> None:
+    names = {value.name for value in known}
+    for value in values:
+        if not isinstance(value, Value):
+            raise TypeError(f"a value is {value!r}; valid is a Value")
+        if value.name in names:
+            raise ValueError(f"there is a value {value.name!r} already")
+        names.add(value.name)

@@ -1,0 +1,153 @@
+"""The one record by which anything is added to the program, ours or a stranger's.
+
+A package declares its features as entry points of the group ``brickpose.features``, as ours are in
+``pyproject.toml``; each names a ``Feature``. ``docs/extending.md`` has every hook.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from pkgutil import resolve_name
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from argparse import ArgumentParser
+
+    from fastapi import APIRouter
+
+    from app.command_parser import CommandParser
+    from app.engine.command_row import CommandRow
+    from app.engine.companions import NewCompanion
+    from app.engine.program import Program
+    from app.engine.robot_kind import RobotKind
+    from app.engine.value import Value
+    from app.page.outlets import Outlet, Outlets
+    from app.settings.config import Config
+    from app.tools.doctor.finding import Finding
+
+
+@dataclass(frozen=True)
+class Late:
+    """A function by its name, imported when it is first called.
+
+    Records of features are read at each start, also for ``--help``; what they name is not.
+    """
+
+    target: str
+    """``package.module:function``; or a constant, which is then what the function returns."""
+
+    def __call__(self, *arguments: Any) -> Any:
+        """Call the function."""
+        named = resolve_name(self.target)
+        return named(*arguments) if callable(named) else named
+
+
+@dataclass(frozen=True)
+class Subcommand:
+    """A command of ``brickpose``."""
+
+    name: str
+    """What is typed."""
+    about: str
+    """What ``brickpose --help`` says of it."""
+    options: Callable[[CommandParser], None]
+    """Adds its options to its parser, and sets the default ``command``: what carries it out, a
+    function of the parsed options that returns the exit code. Called if it is typed."""
+
+
+@dataclass(frozen=True)
+class RunOptions:
+    """Options of ``run`` and of the other commands that serve the page with a robot."""
+
+    add: Callable[[ArgumentParser], None]
+    """Adds them to a command's parser; what is not typed has no value."""
+    apply: Callable[[Config, Mapping[str, Any]], Config]
+    """Returns the settings with what was typed, given by the options' names."""
+
+
+@dataclass(frozen=True)
+class Guest:
+    """A program whose pages come from a site of their own, and open one WebSocket by a link."""
+
+    name: str
+    """Its name, for people."""
+    path: str
+    """Of the WebSocket, as ``/foxglove``: a route of the feature. The link has a token besides."""
+
+
+@dataclass(frozen=True)
+class Panel:
+    """A panel of the page, which its own script fills."""
+
+    name: str
+    """Its name among the feature's panels."""
+    title: str
+    """What stands above it."""
+    script: Path
+    """An ES module in a folder that has nothing secret: the page may load all of it. It exports
+    ``panel(body, program)``: ``body`` is the element to fill, ``program.order(command)`` sends a
+    command; it returns an object whose ``show(telemetry)`` is called with each message."""
+
+    def __post_init__(self) -> None:
+        """Refuse a script that there is not: the page could not be served."""
+        if not self.script.is_file():
+            raise FileNotFoundError(f"the panel {self.name} has no script {self.script}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Feature:
+    """What plugs into the program: all that it adds, by the hooks that it uses."""
+
+    name: str
+    """The name of its entry point, by which ``--without NAME`` leaves it out."""
+    about: str
+    """What it is, in a few words, for ``brickpose doctor``."""
+    subcommands: tuple[Subcommand, ...] = ()
+    """Commands of ``brickpose``; their names must be new."""
+    settings: Callable[[], Any] | None = None
+    """Makes its settings with their defaults: a frozen dataclass of ``robot.settings.setting``s.
+    Their table in a file of settings has the feature's name; ``Config.group`` returns them."""
+    run_options: tuple[RunOptions, ...] = ()
+    """Options of the commands that serve the page with a robot."""
+    guests: tuple[Callable[[Config], Iterable[Guest]], ...] = ()
+    """Each gives programs of other sites that may come in by a link, which is printed."""
+    routers: tuple[Callable[[Program], APIRouter], ...] = ()
+    """Each makes routes for the page's server: of a program, which is another one after the page
+    has changed the field or opened a recording."""
+    commands: tuple[Callable[[], Iterable[CommandRow]], ...] = ()
+    """Each gives rows of the table of commands, which the page, programs, recordings and replays
+    then have; the types of their commands must be new."""
+    robots: tuple[Callable[[], Iterable[RobotKind]], ...] = ()
+    """Each gives robots that ``--robot`` can choose; their names must be new."""
+    companions: tuple[NewCompanion, ...] = ()
+    """Each makes what looks at each tick of an engine, and may give commands: ``Companion``s."""
+    outlet: Callable[[Outlets], Outlet] | None = None
+    """Makes what runs as long as a program: threads, files, routes, layers of the 3D view, parts of
+    telemetry, and what carries out commands outside the engine."""
+    values: tuple[Callable[[], Iterable[Value]], ...] = ()
+    """Each gives values that ticks show on the page, on ROS and in recordings; their names must be
+    new."""
+    topics: tuple[Callable[[], Iterable[Any]], ...] = ()
+    """Each gives topics, ``app.features.ros.topics.Topic``, that rosbridge, Foxglove, DDS and
+    recordings have as they have ours; their names must be new."""
+    panels: tuple[Panel, ...] = ()
+    """Panels of the page."""
+    documents: tuple[Path, ...] = ()
+    """Markdown files, which ``/help`` lists with ours; their names must be new."""
+    checks: tuple[Callable[[Config], Iterable[Finding]], ...] = ()
+    """Each gives lines of ``brickpose doctor``."""
+
+    def __post_init__(self) -> None:
+        """Refuse what would fail only later, where it is used."""
+        kinds: dict[str, type] = {
+            "subcommands": Subcommand,
+            "documents": Path,
+            "panels": Panel,
+            "run_options": RunOptions,
+        }
+        for hook, kind in kinds.items():
+            for each in getattr(self, hook):
+                if not isinstance(each, kind):
+                    raise TypeError(f"{hook} has {each!r}; valid is a {kind.__name__}")

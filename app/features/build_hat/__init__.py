@@ -1,0 +1,1 @@
+"""The robot in bricks: motors and encoders on a Build HAT, and a camera."""

@@ -1,0 +1,11 @@
+"""What calibration adds: a drive that measures the robot as it was built, and the lens page."""
+
+from app.feature import Feature, Late
+
+FEATURE = Feature(
+    name="calibration",
+    about="measures the robot that was built by a drive, and its lens by a board",
+    outlet=Late("app.features.calibration.outlet:CalibrationOutlet"),
+    companions=(Late("app.features.calibration.tracking:trackings"),),
+    commands=(Late("app.features.calibration.commands:COMMANDS"),),
+)

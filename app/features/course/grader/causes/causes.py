@@ -1,0 +1,52 @@
+"""All causes by code."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+from app.features.course.grader.causes.cause import Cause
+from app.features.course.grader.causes.filter import FILTER
+from app.features.course.grader.causes.motion import MOTION
+from app.features.course.grader.causes.sensor import SENSOR
+
+ANY = {
+    "altered": Cause(
+        "Something else in the program changes as well.",
+        "The function writes into the arrays that it was given.",
+        "Work on a copy: poses = poses.copy().",
+    ),
+    "form": Cause(
+        "The result cannot be used.",
+        "It has another form than the lesson asks for.",
+        "Compare what you return with the stub's description.",
+    ),
+    "error": Cause(
+        "Python stops with an error.",
+        "The function does not get to its return.",
+        "Read the error's last line, then look at the line that it names.",
+    ),
+    "not-written": Cause(
+        "This function is not written yet.",
+        "It still raises NotImplementedError, as its stub does.",
+        "Write it, and take that line out.",
+    ),
+    "stopped": Cause(
+        "The function had to be stopped.",
+        "It does something that no lesson needs, or does not end.",
+        "Look for loops without an end, very large arrays, and anything about files or networks.",
+    ),
+    "differs": Cause(
+        "The result differs.",
+        "No mistake that is known explains it.",
+        "Work the case out on paper, and print what your code has at each step.",
+    ),
+}
+
+CAUSES: Mapping[str, Cause] = MappingProxyType(MOTION | SENSOR | FILTER | ANY)
+"""All causes by code."""
+
+
+def cause_of(code: str) -> Cause:
+    """Return a cause; a code of a teacher's own lesson says itself."""
+    return CAUSES.get(code) or Cause(code, code, ANY["differs"].advice)

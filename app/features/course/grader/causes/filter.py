@@ -1,0 +1,261 @@
+"""Mistakes in the filter: weights, survivors, estimates, new particles."""
+
+from __future__ import annotations
+
+from app.features.course.grader.causes.cause import Cause
+
+FILTER = {
+    "R1": Cause(
+        "What was seen once counts twice; the effective sample size falls and falls.",
+        "The survivors keep their old weights.",
+        "Copies already stand for the weight. After resampling each one weighs the same.",
+    ),
+    "R2": Cause(
+        "Weights belong to other particles: their colours are strewn at random.",
+        "New particles are drawn, but the weights keep their old order.",
+        "After resampling each one weighs the same.",
+    ),
+    "R3": Cause(
+        "Copies stick together: when one moves, all of them move, several times.",
+        "Copies are the same object in memory, not copies.",
+        "Make real copies: poses[indices] of a NumPy array does, [poses[i] for i in ...] does not.",
+    ),
+    "R4": Cause(
+        "An unlikely particle survives, and a good one dies.",
+        "The index is off by one.",
+        "Try three particles with the weights 0, 1, 0 on paper. Which index comes out?",
+    ),
+    "R5": Cause(
+        "While the robot stands, the filter becomes more and more certain, also of a wrong place.",
+        "The same scan counts again and again while the robot stands.",
+        "Return what you got if the robot has not moved.",
+    ),
+    "R6": Cause(
+        "Only the last scan counts.",
+        "The weights from before are thrown away.",
+        "New weight = old weight times likelihood.",
+    ),
+    "E1": Cause(
+        "The estimate looks the wrong way when the robot looks along -x.",
+        "Headings are averaged as plain numbers: 3.1 and -3.1 give 0.",
+        "Average cosines and sines and take arctan2, or average wrapped differences.",
+    ),
+    "E2": Cause(
+        "Errors jump by a full turn.",
+        "A heading, or a difference of headings, is not brought back to -π to π.",
+        "(angle + π) % (2 π) - π wraps an angle.",
+    ),
+    "generator": Cause(
+        "No run can be repeated.",
+        "Chance comes from elsewhere than the generator that was given.",
+        "Draw from rng alone: rng.random(), rng.standard_normal(n).",
+    ),
+    "no-chance": Cause(
+        "Each run is the same as the last.",
+        "Nothing is left to chance.",
+        "Draw from rng: rng.random(), rng.standard_normal(n).",
+    ),
+    "line": Cause(
+        "Who survives has little to do with the weights.",
+        "The numbers do not lie on the line where the weights lie end to end.",
+        "Print where each weight ends on the line, and the numbers: both go from 0 to 1, and grow.",
+    ),
+    "weights-ignored": Cause(
+        "Bad particles count as much as good ones.",
+        "The weights make no difference.",
+        "Where do the weights come in?",
+    ),
+    "best-only": Cause(
+        "One particle stands for the whole cloud.",
+        "Only the heaviest particle is used.",
+        "All particles count, each as much as it weighs.",
+    ),
+    "weights-changed": Cause(
+        "The cloud follows the weights too much, or too little.",
+        "Something else than the weight decides: a square or a root of it.",
+        "A particle with twice the weight gets twice the copies.",
+    ),
+    "weights": Cause(
+        "The weights mean nothing after resampling.",
+        "The weights that come back are not all 1/n.",
+        "Return np.full(n, 1 / n) with the survivors.",
+    ),
+    "invented": Cause(
+        "There are particles that nobody put there.",
+        "Poses are changed that should only be copied.",
+        "Copy poses as they are; noise belongs to the motion.",
+    ),
+    "order": Cause(
+        "The scan is compared with where the robot was before.",
+        "Weighing comes before moving.",
+        "Predict first, then correct.",
+    ),
+    "motion-lost": Cause(
+        "The cloud stays behind while the robot drives.",
+        "The poses that motion returns are not used.",
+        "motion leaves its poses as they are, and returns new ones: keep those.",
+    ),
+    "survivors-lost": Cause(
+        "Bad particles survive, although new ones are drawn.",
+        "What parts.resample gives is not kept.",
+        "parts.resample returns poses and weights; the old ones do not change by themselves.",
+    ),
+    "standing": Cause(
+        "The robot moves, and the filter does not notice.",
+        "It counts as standing though it drove, or turned.",
+        "It stands only if both are small: the way, in any direction, and the turn, either way.",
+    ),
+    "added": Cause(
+        "A particle that fits nothing keeps its weight.",
+        "The likelihood is added to the old weight.",
+        "New weight = old weight times likelihood.",
+    ),
+    "not-normalized": Cause(
+        "The effective sample size is nonsense.",
+        "The weights do not sum to one.",
+        "Divide the weights by their sum.",
+    ),
+    "exponential": Cause(
+        "Weights are negative, or the worse fit counts more.",
+        "Log-weights are added to weights, or multiplied with them.",
+        "exp makes a factor of a log-weight.",
+    ),
+    "no-resampling": Cause(
+        "In the end one particle has all the weight.",
+        "It never resamples.",
+        "Resample when the effective sample size is below half of the particles. Print it: if one "
+        "weight is 1 and the others are 0, it is 1.",
+    ),
+    "resampling-always": Cause(
+        "The cloud thins out for nothing.",
+        "It resamples even if the weights are good.",
+        "Resample only when the effective sample size is below half of the particles. Print it: "
+        "for four equal weights it is 4.",
+    ),
+    "resampling-early": Cause(
+        "The newest scan decides nothing until the next round.",
+        "It resamples before it weighs.",
+        "Move, weigh, then draw anew.",
+    ),
+    "resampling-reversed": Cause(
+        "It resamples when it need not, and never when it must.",
+        "The comparison is the wrong way round.",
+        "A small effective sample size is the bad one.",
+    ),
+    "middle": Cause(
+        "The robot is said to be between two places, where no particle is.",
+        "Particles of other places count as well.",
+        "Take only those near the heaviest: 0.1 m in place and 0.5 rad in heading, either way.",
+    ),
+    "heaviest": Cause(
+        "The estimate is at an unlikely place.",
+        "Another particle than the heaviest makes the place.",
+        "The heaviest is the one with the largest weight: which index has it?",
+    ),
+    "shares": Cause(
+        "The estimate is drawn towards x 0, y 0.",
+        "The weights of those that count do not sum to one.",
+        "A weighted mean is divided by the sum of the weights that are in it.",
+    ),
+    "diagonal": Cause(
+        "All particles lie on one line.",
+        "The same random numbers serve twice.",
+        "Draw separate numbers for x, for y and for the heading.",
+    ),
+    "field-size": Cause(
+        "Particles lie beyond the field, or leave a part of it empty.",
+        "Width or height of the field is not what it is, or the extent's order is another.",
+        "The extent is left, bottom, right, top. How wide is a field from x 0.5 to 1.5 m?",
+    ),
+    "half-circle": Cause(
+        "The robot is never found when it looks backwards.",
+        "The headings do not cover the whole circle.",
+        "Headings lie between -π and π.",
+    ),
+    "no-injection": Cause(
+        "A robot that was carried off is never found again.",
+        "No new particles appear.",
+        "If the short memory is below the long one, something has happened. Is the share above 0 "
+        "then?",
+    ),
+    "ratio": Cause(
+        "New particles come at the wrong time.",
+        "The share is not 1 - fast / slow.",
+        "All is well when both memories are equal, or the fast one is larger: then the share is 0.",
+    ),
+    "memory": Cause(
+        "It reacts too late, or to nothing.",
+        "The memories are not what they should be after this fit, or are used before.",
+        "memory.slow += 0.05 * (fit - memory.slow); the fast one likewise, with 0.5.",
+    ),
+    "rates": Cause(
+        "New particles come when all is well.",
+        "The two memories are exchanged.",
+        "The slow one takes 0.05 of the newest fit, the fast one 0.5.",
+    ),
+    "one-place": Cause(
+        "All new particles are at the same place.",
+        "One new particle is used for all.",
+        "Ask anywhere for as many as are replaced.",
+    ),
+    "all-new": Cause(
+        "One bad picture, and all is forgotten.",
+        "All particles are replaced, or none.",
+        "Each particle is replaced with the probability of the share: one random number for each.",
+    ),
+    "same-places": Cause(
+        "It is always the same particles that are replaced.",
+        "The first or the last ones are replaced, not random ones.",
+        "rng.random(len(poses)) < share chooses by chance.",
+    ),
+    "gain-reversed": Cause(
+        "The surer of two is believed less.",
+        "The gain is the wrong way round.",
+        "If the look is exact, the gain is 1: the new mean is what was seen.",
+    ),
+    "rest": Cause(
+        "How sure it is after a look is not right.",
+        "Another share of the variance is left than 1 - k.",
+        "After an exact look k is 1. What is left then? Mind what is squared.",
+    ),
+    "away": Cause(
+        "The belief moves away from what is seen.",
+        "The difference of seen and believed has the wrong sign.",
+        "If the place that is seen is larger than the believed one, the mean has to grow.",
+    ),
+    "variance-returned": Cause(
+        "It is far too sure of itself.",
+        "The variance is returned as the standard deviation.",
+        "A standard deviation is the square root of a variance.",
+    ),
+    "gain-fixed": Cause(
+        "A bad look spoils a good belief.",
+        "Belief and look always count the same.",
+        "Let the variances decide: the smaller one counts more.",
+    ),
+    "deviations-added": Cause(
+        "The belief becomes unsure too quickly.",
+        "Standard deviations are added in a step.",
+        "Errors that have nothing to do with each other: their variances add.",
+    ),
+    "deviations-weigh": Cause(
+        "The belief follows the look too much, or too little.",
+        "The gain is made of standard deviations.",
+        "The gain is a ratio of variances.",
+    ),
+    "step-lost": Cause(
+        "The belief lags behind the robot.",
+        "The step is not added to the mean.",
+        "First the step, then the look.",
+    ),
+    "step-sure": Cause(
+        "The belief becomes too sure while driving.",
+        "The step adds no variance.",
+        "Each step is a little wrong: its variance is added.",
+    ),
+    "never-surer": Cause(
+        "However often it looks, it never becomes surer.",
+        "The look does not make the variance smaller.",
+        "After the look, the share 1 - k of the variance is left.",
+    ),
+}

@@ -1,0 +1,110 @@
+"""Mistakes in odometry and motion."""
+
+from __future__ import annotations
+
+from app.features.course.grader.causes.cause import Cause
+
+MOTION = {
+    "M1": Cause(
+        "All particles shift in the same direction, wherever they look.",
+        "The step is not turned into each particle's own heading.",
+        "Where do the heading and the step meet in your code? Each particle needs its own cosine "
+        "and sine.",
+    ),
+    "M2": Cause(
+        "Straight lines are right, but on arcs the path drifts inwards.",
+        "The way is taken along the heading after the turn.",
+        "While it drives an arc the robot looks from the old heading to the new one. Which heading "
+        "does it have on the average?",
+    ),
+    "M3": Cause(
+        "The cloud bursts when the robot backs slowly.",
+        "Backing counts as a half turn, a way ahead, and a half turn back; the half turns bring "
+        "their noise.",
+        "For a step backwards, let the way be negative and the first rotation small.",
+    ),
+    "M4": Cause(
+        "The robot wanders off while it turns on the spot.",
+        "A turn on the spot moves x and y.",
+        "One wheel rolls ahead and the other back: what does the middle between them do? Mind the "
+        "signs.",
+    ),
+    "M5": Cause(
+        "The cloud never spreads; soon all particles are one.",
+        "All particles get the same noise, or none.",
+        "Draw one random number for each particle: rng.standard_normal(len(poses)).",
+    ),
+    "old-heading": Cause(
+        "On arcs the path drifts outwards.",
+        "The way is taken along the heading before the turn.",
+        "While it drives an arc the robot looks from the old heading to the new one. Which heading "
+        "does it have on the average?",
+    ),
+    "way": Cause(
+        "The robot goes too far, or not far enough.",
+        "The way of the robot's middle is not the mean of both wheels' ways.",
+        "Let both wheels roll 30 mm: how far does the middle go?",
+    ),
+    "brackets": Cause(
+        "The numbers have the wrong size.",
+        "Only a part of a sum or of a difference is divided.",
+        "Without brackets a + b / c is a + (b / c). What is to be divided as a whole?",
+    ),
+    "turn-sign": Cause(
+        "The robot turns the wrong way.",
+        "Left and right are exchanged in the turn.",
+        "Theta grows anticlockwise: which wheel rolls farther when the robot turns left?",
+    ),
+    "track": Cause(
+        "Each turn is too large or too small by the same factor.",
+        "The difference of the wheels is divided by something else than the track.",
+        "For a full turn on the spot each wheel rolls π times the track.",
+    ),
+    "sine": Cause(
+        "The robot drives to the side instead of ahead.",
+        "Sine and cosine are exchanged.",
+        "At heading 0 the robot looks along x. Which of the two is 1 there?",
+    ),
+    "start-lost": Cause(
+        "Each step begins at the origin again.",
+        "The pose before the step is not added.",
+        "The result is the old pose plus the step.",
+    ),
+    "rotation-lost": Cause(
+        "Headings are wrong after an arc.",
+        "One of the two rotations is left out.",
+        "A step is a rotation, a way and another rotation; the heading takes both rotations.",
+    ),
+    "second-turn": Cause(
+        "Headings are wrong after an arc.",
+        "The second rotation is the whole turn, though the first one was a part of it.",
+        "Both rotations together are the turn: how much is left after the first?",
+    ),
+    "variances": Cause(
+        "The cloud has another size than the motion's noise makes.",
+        "One of the three variances is another sum than in the stub.",
+        "Compare them with the stub, term by term: what is squared, and what is added?",
+    ),
+    "variance": Cause(
+        "The cloud is far too narrow, or far too wide.",
+        "A variance is used as a standard deviation.",
+        "The sums with the alphas are variances. What does standard_normal have to be multiplied "
+        "with?",
+    ),
+    "alphas": Cause(
+        "The cloud spreads in the wrong direction.",
+        "The alphas stand at the wrong places.",
+        "alpha1 and alpha2 make the noise of rotations, alpha3 and alpha4 that of the way; alpha1 "
+        "and alpha4 go with rotations squared, alpha2 and alpha3 with the way squared.",
+    ),
+    "noise-form": Cause(
+        "The cloud is shifted, or has sharp ends.",
+        "The noise is not normally distributed about zero.",
+        "Use rng.standard_normal, as it is.",
+    ),
+    "same-draw": Cause(
+        "The cloud is a line instead of a banana.",
+        "One random number serves for rotations and way at once.",
+        "Draw three times for each particle.",
+    ),
+}

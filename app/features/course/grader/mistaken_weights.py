@@ -1,0 +1,114 @@
+"""Weights of poses by a field (Table 6.3 of Probabilistic Robotics), with usual mistakes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from types import SimpleNamespace
+
+import numpy as np
+
+from robot.geometry import Array
+
+HIT, RANDOM = 0.95, 0.05
+"""Share of rays that end at tape, and of those that end anywhere."""
+SIGMA = 0.04
+"""Standard deviation of where a ray ends [m]."""
+NARROW = {
+    "half-left-out": 0.5**0.5, "half": 0.5, "tenth": 0.1, "hundredth": 0.01, "mm": 0.001,
+    "fourth-power": SIGMA, "third-power": SIGMA**0.5,
+}  # fmt: skip
+WIDE = {"first-power": SIGMA**-0.5, "twice": 2.0, "multiplied": SIGMA**-2}
+WIDTHS = NARROW | WIDE
+"""How wide the bell curve becomes, in sigmas."""
+INVERSES: dict[str, Callable[[Array], Array]] = {
+    "inverse-sum": lambda away: 1 / away.sum(axis=1),
+    "inverse-mean": lambda away: 1 / away.mean(axis=1),
+    "inverse-squares": lambda away: 1 / (away**2).sum(axis=1),
+    "inverse-sum-log": lambda away: -np.log(away.sum(axis=1)),
+}
+
+
+def ends(
+    poses: Array, bearings: Array, ranges: Array, mistakes: frozenset[str]
+) -> tuple[Array, Array]:
+    """Return x and y (n, k) where the rays (k,) of guesses (n, 3) end [m]."""
+    headings = poses[:, 2:] * ("no-heading" not in mistakes)
+    if "heading-as-degrees" in mistakes:
+        headings = np.radians(headings)
+    if "bearings-as-degrees" in mistakes:
+        bearings = np.radians(bearings)
+    angles = headings - bearings if "bearing-subtracted" in mistakes else headings + bearings
+    if "heading-subtracted" in mistakes:
+        angles = bearings - headings
+    if "angles-as-degrees" in mistakes:
+        angles = np.radians(angles)
+    x, y = ranges * np.cos(angles), ranges * np.sin(angles)
+    if "place-lost" in mistakes:
+        return x, y
+    return poses[:, :1] + x, poses[:, 1:2] + y
+
+
+def distances(x: Array, y: Array, field: SimpleNamespace, mistakes: frozenset[str]) -> Array:
+    """Return how far from the tape places are, by the field's table [m]."""
+    start = field.origin
+    if "origin-ignored" in mistakes:
+        start = np.zeros(2)
+    if "origin-added" in mistakes:
+        start = -field.origin
+    if "origin-swapped" in mistakes:
+        start = field.origin[::-1]
+    shift = 0.5 if "rounded" in mistakes else 0.0
+    columns = np.floor((x - start[0]) / field.cell + shift).astype(int)
+    rows = np.floor((y - start[1]) / field.cell + shift).astype(int)
+    if "rows" in mistakes:
+        rows, columns = columns, rows
+    height, width = field.distances.shape
+    # A mistake may look beyond the map; what it finds there does not matter.
+    result: Array = field.distances[rows % height, columns % width]
+    return result
+
+
+def weights_of(away: Array, sigma: float, mistakes: frozenset[str]) -> Array:
+    """Return the log-weights (n,) of guesses whose rays end away (n, k) from the tape [m]."""
+    inverse = next((rule for name, rule in INVERSES.items() if name in mistakes), None)
+    if inverse is not None:
+        result: Array = inverse(away)
+        return result
+    width = sigma * next((value for name, value in WIDTHS.items() if name in mistakes), 1.0)
+    sign = 1.0 if "sign" in mistakes else -1.0
+    square = away if "no-square" in mistakes else away**2
+    fit = np.exp(sign * square / (2 * width**2))
+    if "outliers-inside" in mistakes:
+        fit = fit * math.exp(RANDOM) - RANDOM / HIT
+    likelihood = fit if "no-outliers" in mistakes or "product" in mistakes else HIT * fit + RANDOM
+    if "normal-density" in mistakes:
+        likelihood = HIT * fit / math.sqrt(2 * math.pi * width**2) + RANDOM
+    if "only-hits" in mistakes:
+        return _joined(HIT * fit, mistakes)
+    if "no-outliers" in mistakes:
+        total: Array = sign * (square / (2 * width**2)).sum(axis=1)
+        return total
+    return _joined(likelihood, mistakes)
+
+
+def _joined(likelihood: Array, mistakes: frozenset[str]) -> Array:
+    rule = next((rule for name, rule in JOINED.items() if name in mistakes), None)
+    return rule(likelihood) if rule else _log_sum(likelihood)
+
+
+def _log_sum(likelihood: Array) -> Array:
+    result: Array = np.log(likelihood).sum(axis=1)
+    return result
+
+
+JOINED: dict[str, Callable[[Array], Array]] = {
+    "mean": lambda likelihood: _log_sum(likelihood) / likelihood.shape[1],
+    "cubed": lambda likelihood: _log_sum(likelihood) / 3,
+    "sum": lambda likelihood: np.log(likelihood.sum(axis=1)),
+    "plain-sum": lambda likelihood: likelihood.sum(axis=1),
+    "plain": lambda likelihood: likelihood.prod(axis=1),
+    "plain-product": lambda likelihood: likelihood.prod(axis=1),
+    "product": lambda likelihood: np.log(likelihood.prod(axis=1)),
+    "late-logarithm": lambda likelihood: np.log(likelihood.prod(axis=1)),
+}

@@ -1,0 +1,188 @@
+"""Lesson 1: ``odometry(pose, left, right, track)`` gives the pose after the wheels have rolled."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+
+import numpy as np
+
+from app.features.course.grader.case import Case, Checks, Hypothesis, Outcome, Sign
+from app.features.course.grader.drawing import draw_poses
+from app.features.course.grader.forms import array_of, heading_sign, pose_features
+from app.features.course.grader.words import Words
+from robot.geometry import Array, wrap_angle
+
+TRACK = 0.11
+TOLERANCE = np.array([1.5e-5, 1.5e-5, 2e-6, 2e-6])
+"""[m, m] and of cosine and sine: a chord in the middle's direction is as good as an arc."""
+STEPS: tuple[tuple[str, str, float, float], ...] = (
+    ("line", "Both wheels roll {left} mm.", 0.03, 0.03),
+    ("spin", "It turns on the spot: left {left} mm, right {right} mm.", -0.0027, 0.0027),
+    ("spin", "It turns on the spot: left {left} mm, right {right} mm.", 0.0022, -0.0022),
+    ("line", "Both wheels roll {left} mm: it backs.", -0.02, -0.02),
+    ("arc", "An arc to the left: left {left} mm, right {right} mm.", 0.026, 0.031),
+    ("arc", "An arc to the right: left {left} mm, right {right} mm.", 0.03, 0.0255),
+    ("arc", "An arc backwards: left {left} mm, right {right} mm.", -0.022, -0.027),
+    ("arc", "Only the right wheel rolls: {right} mm.", 0.0, 0.005),
+    ("arc", "Only the left wheel rolls: {left} mm.", 0.0048, 0.0),
+)
+
+LEFT_SPIN, RIGHT_SPIN = [step for step in STEPS if step[0] == "spin"]
+LEFT_ARC = next(step for step in STEPS if step[0] == "arc")
+WAYS: dict[str, Callable[[float, float], float]] = {
+    "absolute": lambda left, right: (abs(left) + abs(right)) / 2,
+    "right-wheel": lambda _left, right: right,
+    "left-wheel": lambda left, _right: left,
+    "larger": lambda left, right: max(left, right, key=abs),
+    "twice": lambda left, right: left + right,
+    "difference": lambda left, right: (right - left) / 2,
+    "left-whole": lambda left, right: left + right / 2,
+}
+TURNS = {
+    "other-way": -1.0,
+    "half-turn": 0.5,
+    "double-turn": 2.0,
+    "turn-in-degrees": 180 / math.pi,
+    "turn-to-radians": math.pi / 180,
+}
+DIRECTIONS = {"new-heading": 1.0, "old-heading": 0.0}
+
+
+def cases(seed: int) -> list[Case]:
+    """Each step from heading 0, then from poses by the seed; then where the heading wraps."""
+    rng = np.random.default_rng(seed)
+    starts = [np.zeros(3)] * len(STEPS)
+    starts += [rng.uniform([-1, -1, -math.pi], [1, 1, math.pi]) for _ in STEPS]
+    made = [_case(start, step, TRACK) for start, step in zip(starts, STEPS + STEPS, strict=True)]
+    made.append(_case(rng.uniform(-1, 1, 3), LEFT_ARC, 0.2))
+    made += [
+        _case(np.array([0.5, 0.5, math.pi - 0.01]), LEFT_SPIN, TRACK),
+        _case(np.array([0.5, 0.5, 0.01 - math.pi]), RIGHT_SPIN, TRACK),
+    ]
+    return made
+
+
+def _case(start: Array, step: tuple[str, str, float, float], track: float) -> Case:
+    kind, text, left, right = step
+    words = Words(
+        "{step} It starts at x {x} mm, y {y} mm, heading {heading}°; track {track} mm.",
+        {
+            "step": Words(text, {"left": _mm(left), "right": _mm(right)}),
+            "x": _mm(start[0]),
+            "y": _mm(start[1]),
+            "heading": round(math.degrees(start[2]), 1),
+            "track": _mm(track),
+        },
+    )
+    return Case("odometry", (start, left, right, track), words, kind, TOLERANCE)
+
+
+def features(outcome: Outcome) -> Array:
+    """The pose, its heading as cosine and sine."""
+    return pose_features(array_of(outcome.result, (3,)))
+
+
+def expected(case: Case, mistakes: frozenset[str]) -> Array:
+    """The pose that a formula with mistakes gives."""
+    pose, left, right, track = case.arguments
+    way, turn = _way(left, right, mistakes), (right - left) / track
+    turn = right - left / track if "right-whole" in mistakes else turn
+    turn *= next((share for name, share in TURNS.items() if name in mistakes), 1.0)
+    ahead = next((share for name, share in DIRECTIONS.items() if name in mistakes), 0.5)
+    direction = pose[2] + ahead * turn
+    if "no-heading" in mistakes:
+        direction -= pose[2]
+    if "degrees" in mistakes:
+        direction = math.radians(direction)
+    x, y = way * math.cos(direction), way * math.sin(direction)
+    if "sine-first" in mistakes:
+        x, y = y, x
+    if "from-zero" in mistakes:
+        return np.array([x, y, math.cos(pose[2] + turn), math.sin(pose[2] + turn)])
+    theta = turn if "heading-lost" in mistakes else pose[2] + turn
+    return np.array([pose[0] + x, pose[1] + y, math.cos(theta), math.sin(theta)])
+
+
+def _way(left: float, right: float, mistakes: frozenset[str]) -> float:
+    rule = next((rule for name, rule in WAYS.items() if name in mistakes), None)
+    return rule(left, right) if rule else (left + right) / 2
+
+
+def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
+    """What shows by itself: headings out of range, spins that move, arcs in a wrong direction."""
+    for outcome in outcomes:
+        yield from heading_sign(outcome, array_of(outcome.result, (3,))[None])
+    spins = [item for item in outcomes if item.case.kind == "spin" and _moved(item) > 1e-4]
+    if spins:
+        yield Sign("M4", spins[0])
+    arcs = [item for item in outcomes if item.case.kind == "arc"]
+    if arcs and not spins and all(abs(_ahead(item) - 1.0) < 0.2 for item in arcs):
+        yield Sign("M2", arcs[0])
+
+
+def _moved(outcome: Outcome) -> float:
+    x, y = outcome.result[:2] - outcome.case.arguments[0][:2]
+    return math.hypot(x, y)
+
+
+def _ahead(outcome: Outcome) -> float:
+    """Return the share of the turn that had been added before the way was taken."""
+    pose, left, right, track = outcome.case.arguments
+    x, y = outcome.result[:2] - pose[:2]
+    backwards = math.pi if left + right < 0 else 0.0
+    turned = wrap_angle(math.atan2(y, x) + backwards - float(pose[2]))
+    return turned / (float(right - left) / float(track))
+
+
+def show(_case: Case, values: Array) -> str:
+    """Return features as a pose in words."""
+    heading = math.degrees(math.atan2(values[3], values[2]))
+    return f"x {1000 * values[0]:.2f} mm, y {1000 * values[1]:.2f} mm, {heading:.2f}°"
+
+
+def picture(outcome: Outcome, due: Array, given: Array) -> str:
+    """Draw where it starts, where it is due, and where the code puts it."""
+    start = pose_features(outcome.case.arguments[0])
+    return draw_poses({"start": start, "due": due, "given": given})
+
+
+def situation(case: Case) -> dict[str, float]:
+    """The start, to put the robot there; where the dashboard's square ends, beside it."""
+    x, y, theta = np.clip(case.arguments[0], [-0.4, -0.4, -np.inf], [0.4, 0.4, np.inf])
+    return {"x": x, "y": y, "theta": theta}
+
+
+def _mm(value: float) -> float:
+    return round(1000 * value, 1)
+
+
+CHECKS = Checks(
+    functions=("odometry",),
+    cases=cases,
+    features=features,
+    expected=expected,
+    hypotheses=(
+        Hypothesis("new-heading", "M2", frozenset(["old-heading"])),
+        Hypothesis("old-heading", "old-heading"),
+        *(Hypothesis(name, "M4", frozenset(WAYS)) for name in list(WAYS)[:4]),
+        Hypothesis("twice", "way"),
+        Hypothesis("difference", "way"),
+        Hypothesis("left-whole", "brackets", frozenset(WAYS)),
+        Hypothesis("right-whole", "brackets", frozenset(TURNS)),
+        Hypothesis("other-way", "turn-sign", frozenset(TURNS)),
+        Hypothesis("half-turn", "track", frozenset(TURNS)),
+        Hypothesis("double-turn", "track", frozenset(TURNS)),
+        Hypothesis("turn-in-degrees", "S4", frozenset(TURNS)),
+        Hypothesis("turn-to-radians", "S4", frozenset(TURNS)),
+        Hypothesis("degrees", "S4"),
+        Hypothesis("no-heading", "M1"),
+        Hypothesis("sine-first", "sine"),
+        Hypothesis("from-zero", "start-lost"),
+        Hypothesis("heading-lost", "start-lost"),
+    ),
+    signs=signs,
+    show=show,
+    picture=picture,
+    situation=situation,
+)

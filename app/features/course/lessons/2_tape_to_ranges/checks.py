@@ -1,0 +1,188 @@
+"""Lesson 2: ``project(u, v, camera)`` gives bearing and range of the floor point of a pixel."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from types import SimpleNamespace
+
+import numpy as np
+
+from app.features.course.grader.case import Case, Checks, Hypothesis, Outcome, Sign
+from app.features.course.grader.drawing import draw_poses
+from app.features.course.grader.forms import array_of
+from app.features.course.grader.words import Words
+from robot.geometry import Array
+
+CAMERA = SimpleNamespace(focal=300.0, u0=160.0, v0=120.0, height=0.15, tilt=30.0, forward=0.06)
+PIXELS = (
+    ("middle", "The pixel in the middle of the picture.", 0.0, 0.0),
+    ("row", "A pixel {across} to the right of the middle.", 90.0, 0.0),
+    ("row", "A pixel {across} to the left of the middle.", -70.0, 0.0),
+    ("column", "A pixel {along} below the middle.", 0.0, 80.0),
+    ("column", "A pixel {along} above the middle.", 0.0, -50.0),
+    ("corner", "A pixel {across} to the left and {along} below the middle.", -110.0, 60.0),
+    ("sky", "A pixel above the horizon, {along} above the middle.", 30.0, -200.0),
+)
+TOLERANCE = np.array([1e-7, 1e-7])
+SHOWN_M = 2.0
+"""Points farther away are drawn here."""
+FAR = np.array([0.0, math.inf])
+"""What is due above the horizon: no bearing counts there."""
+OFFSETS, TILTS = (
+    frozenset(["no-offset", "backwards", "offset-late"]),
+    frozenset(["tilt-in-degrees", "tilt-to-degrees", "tilted-up", "level", "from-below"]),
+)
+
+
+def cases(seed: int) -> list[Case]:
+    """Each pixel with the usual camera, then with cameras by the seed."""
+    rng = np.random.default_rng(seed)
+    made = [_case(pixel, CAMERA) for pixel in PIXELS]
+    for pixel in PIXELS:
+        camera = SimpleNamespace(
+            focal=float(rng.uniform(200, 600)),
+            u0=float(rng.uniform(100, 300)),
+            v0=float(rng.uniform(100, 200)),
+            height=float(rng.uniform(0.08, 0.3)),
+            tilt=float(rng.uniform(20, 25 if pixel[0] == "sky" else 60)),
+            forward=float(rng.uniform(0.02, 0.12)),
+        )
+        kind, text, right, down = pixel
+        scale = camera.focal / CAMERA.focal
+        made.append(_case((kind, text, round(right * scale, 1), round(down * scale, 1)), camera))
+    return made
+
+
+def _case(pixel: tuple[str, str, float, float], camera: SimpleNamespace) -> Case:
+    kind, text, right, down = pixel
+    values = {
+        "pixel": Words(text, {"across": f"{abs(right):g} px", "along": f"{abs(down):g} px"}),
+        "height": round(1000 * camera.height),
+        "tilt": round(camera.tilt, 1),
+        "forward": round(1000 * camera.forward),
+    }
+    words = Words(
+        "{pixel} The camera is {height} mm high, tilted {tilt}° down, {forward} mm ahead of the "
+        "axle.",
+        values,
+    )
+    arguments = (camera.u0 + right, camera.v0 + down, camera)
+    return Case("project", arguments, words, kind, TOLERANCE)
+
+
+def features(outcome: Outcome) -> Array:
+    """Bearing and range; where the range is infinite, the bearing does not count."""
+    values = array_of(outcome.result, (2,), finite=False)
+    return FAR if values[1] == math.inf else values + 0.0
+
+
+def expected(case: Case, mistakes: frozenset[str]) -> Array:
+    """Bearing and range that formulas with mistakes give."""
+    u, v, camera = case.arguments
+    right, down = _on_plane(u, v, camera, mistakes)
+    tilt = math.radians(camera.tilt)
+    tilt = camera.tilt if "tilt-in-degrees" in mistakes else tilt
+    tilt = math.degrees(camera.tilt) if "tilt-to-degrees" in mistakes else tilt
+    tilt = -tilt if "tilted-up" in mistakes else tilt
+    tilt = 0.0 if "level" in mistakes else tilt
+    tilt = math.pi / 2 - tilt if "from-below" in mistakes else tilt
+    c, s = math.cos(tilt), math.sin(tilt)
+    fall = s + c * down
+    if "horizon-early" in mistakes and v < camera.v0:
+        return FAR
+    if abs(fall) < 1e-12 or (fall < 0 and "horizon" not in mistakes):
+        return FAR
+    scale = camera.height / fall
+    ahead = c + s * down if "turned-back" in mistakes else c - s * down
+    x, y = scale * ahead, -right if "side-short" in mistakes else -scale * right
+    if "mirrored" in mistakes:
+        y = -y
+    offsets = {"no-offset": 0.0, "backwards": -camera.forward}
+    x += next((value for name, value in offsets.items() if name in mistakes), camera.forward)
+    slant = camera.height if "slanted" in mistakes else 0.0
+    bearing = math.atan2(x, y) if "swapped" in mistakes else math.atan2(y, x)
+    if "bearing-in-degrees" in mistakes:
+        bearing = math.degrees(bearing)
+    far = x if "only-ahead" in mistakes else math.sqrt(x * x + y * y + slant * slant)
+    if "offset-late" in mistakes:
+        x -= camera.forward
+        bearing, far = math.atan2(y, x), math.hypot(x, y) + camera.forward
+    if "exchanged" in mistakes:
+        bearing, far = far, bearing
+    return np.array([bearing, far]) + 0.0
+
+
+def _on_plane(
+    u: float, v: float, camera: SimpleNamespace, mistakes: frozenset[str]
+) -> tuple[float, float]:
+    """Return how far right and down the ray is, one unit ahead of the lens."""
+    u0, v0 = (0.0, 0.0) if "corner" in mistakes else (camera.u0, camera.v0)
+    focal = 1.0 if "no-focal-length" in mistakes else camera.focal
+    right, down = (u - u0) / focal, (v - v0) / focal
+    return right, -down if "upside-down" in mistakes else down
+
+
+def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
+    """The offset shows by itself: ahead, ranges are short by it, whatever else is wrong."""
+    for outcome in outcomes:
+        _, _, camera = outcome.case.arguments
+        if outcome.case.kind in ("middle", "column"):
+            far = features(outcome)[1]
+            due = expected(outcome.case, frozenset())[1]
+            if abs(far - due + camera.forward) < 1e-6:
+                yield Sign("S9", outcome)
+                return
+
+
+def show(_case: Case, values: Array) -> str:
+    """Return bearing and range in words."""
+    if math.isinf(values[1]):
+        return "∞"
+    return f"{math.degrees(values[0]):.2f}°, {1000 * values[1]:.1f} mm"
+
+
+def picture(outcome: Outcome, due: Array, given: Array) -> str:
+    """Draw robot, camera, and both points on the floor."""
+    _, _, camera = outcome.case.arguments
+    shown = {"start": np.array([0.0, 0.0, 1.0, 0.0])}
+    for style, (bearing, far) in (("due", due), ("given", given)):
+        if not math.isfinite(bearing):
+            continue  # it points nowhere
+        toward = np.array([math.cos(bearing), math.sin(bearing)])
+        shown[style] = np.concatenate([min(far, SHOWN_M) * toward, toward])
+    return draw_poses(shown, [np.array([[camera.forward, -0.03], [camera.forward, 0.03]])])
+
+
+CHECKS = Checks(
+    functions=("project",),
+    cases=cases,
+    features=features,
+    expected=expected,
+    hypotheses=(
+        Hypothesis("no-offset", "S9", OFFSETS),
+        Hypothesis("backwards", "S9", OFFSETS),
+        Hypothesis("tilt-in-degrees", "S4", TILTS),
+        Hypothesis("tilt-to-degrees", "S4", TILTS),
+        Hypothesis("bearing-in-degrees", "S4"),
+        Hypothesis("mirrored", "left-right"),
+        Hypothesis("upside-down", "up-down"),
+        Hypothesis("horizon", "horizon"),
+        Hypothesis("slanted", "slant"),
+        Hypothesis("tilted-up", "tilt", TILTS),
+        Hypothesis("level", "tilt", TILTS),
+        Hypothesis("from-below", "tilt", TILTS),
+        Hypothesis("corner", "pixel-origin"),
+        Hypothesis("no-focal-length", "focal"),
+        Hypothesis("swapped", "arctan"),
+        Hypothesis("only-ahead", "slant"),
+        Hypothesis("offset-late", "offset-late", OFFSETS),
+        Hypothesis("turned-back", "rotation"),
+        Hypothesis("side-short", "side"),
+        Hypothesis("horizon-early", "horizon-early", frozenset(["horizon"])),
+        Hypothesis("exchanged", "exchanged"),
+    ),
+    signs=signs,
+    show=show,
+    picture=picture,
+)

@@ -1,0 +1,235 @@
+"""Lesson 3: ``log_weight(poses, bearings, ranges, field, sigma)`` says how well a scan fits."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from types import SimpleNamespace
+
+import numpy as np
+
+from app.features.course.grader.case import REFERENCE, Case, Checks, Hypothesis, Outcome, Sign
+from app.features.course.grader.drawing import draw_scan
+from app.features.course.grader.forms import array_of, headings_apart
+from app.features.course.grader.mistaken_weights import (
+    HIT,
+    INVERSES,
+    JOINED,
+    NARROW,
+    RANDOM,
+    SIGMA,
+    WIDE,
+    WIDTHS,
+    distances,
+    ends,
+    weights_of,
+)
+from app.features.course.grader.tape_field import CELL, ORIGIN, TAPE, tape_field
+from app.features.course.grader.words import Words
+from robot.geometry import Array
+
+TOLERANCE = 1e-6
+SQUARE = np.array([0.7, 0.8, 0.0])
+"""Middle of the dashboard's square, whose lower side is where the lesson's is."""
+QUARTERS = np.array([0.0, 1.0, 2.0, -1.0]) * math.pi / 2
+STARTS = frozenset(["origin-ignored", "origin-added", "origin-swapped"])
+PRODUCTS = ("product", "late-logarithm", "plain-product")
+JOINTS = frozenset([*JOINED, *INVERSES])
+
+
+def cases(seed: int) -> list[Case]:
+    """One ray, several headings, rays without a return, a few rays, and very many.
+
+    All rays end in the middle of a cell, so that it does not matter how one looks between cells.
+    """
+    rng = np.random.default_rng(seed)
+    field = tape_field()
+    made = [_one_ray(field, distance) for distance in (0.02, 0.04, 0.08, 0.12)]
+    made.append(_headings(field))
+    made += [_any_pose(field, rng, rays, kind) for rays, kind in ((3, "few"), (20, "few"))]
+    made.append(_any_pose(field, rng, 12, "no-return"))
+    made.append(_lattice(field, rng, 24, "particles"))
+    made.append(_lattice(field, rng, 600, "many"))
+    return made
+
+
+def _case(poses: Array, scan: tuple[Array, Array], field: SimpleNamespace, kind: str) -> Case:
+    text = {
+        "one": "One guess, one ray, whose end is {distance} mm away from the tape.",
+        "headings": "Four guesses in one place that look north, west, south and east.",
+        "few": "One guess and {rays} rays.",
+        "no-return": "One guess and {rays} rays; some of them saw no tape and are infinite.",
+        "particles": "{count} guesses and {rays} rays.",
+        "many": "{count} guesses and {rays} rays, as a good camera has them.",
+    }[kind]
+    seen = np.isfinite(scan[1])
+    away = distances(*ends(poses, scan[0][seen], scan[1][seen], REFERENCE), field, REFERENCE)
+    values = {"count": len(poses), "rays": len(scan[0]), "distance": f"{1000 * away[0, 0]:.0f}"}
+    arguments = (poses, *scan, field, SIGMA)
+    return Case("log_weight", arguments, Words(text, values), kind, TOLERANCE)
+
+
+def _one_ray(field: SimpleNamespace, distance: float) -> Case:
+    end = np.array([0.71, 0.31 + distance])
+    pose, bearing, far = np.array([[0.71, 0.93, -math.pi / 2]]), 0.0, 0.62 - distance
+    assert abs(pose[0, 1] - far - end[1]) < 1e-9
+    return _case(pose, (np.array([bearing]), np.array([far])), field, "one")
+
+
+def _headings(field: SimpleNamespace) -> Case:
+    poses = np.column_stack([np.full(4, 0.77), np.full(4, 0.61), QUARTERS[[1, 2, 3, 0]]])
+    bearings, ranges = QUARTERS[[0, 1, 3]], np.array([0.3, 0.2, 0.36])
+    return _case(poses, (bearings, ranges), field, "headings")
+
+
+def _any_pose(field: SimpleNamespace, rng: np.random.Generator, rays: int, kind: str) -> Case:
+    """Choose where the rays end first, near the tape, then the scan that a pose has of them."""
+    pose = rng.uniform([0.4, 0.4, -3.0], [1.0, 0.8, 3.0])
+    ends = ORIGIN + CELL * (rng.integers([36, 26], [96, 76], (rays, 2)) + 0.5)
+    x, y = (ends - pose[:2]).T
+    bearings: Array = np.arctan2(y, x) - pose[2]
+    ranges: Array = np.hypot(x, y)
+    if kind == "no-return":
+        ranges[::3] = np.inf
+    return _case(pose[None], (bearings, ranges), field, kind)
+
+
+def _lattice(field: SimpleNamespace, rng: np.random.Generator, rays: int, kind: str) -> Case:
+    places = ORIGIN + CELL * (rng.integers([45, 35], [85, 60], (8, 2)) + 0.5)
+    poses = np.column_stack([places, rng.choice(QUARTERS, 8)])
+    bearings: Array = rng.choice(QUARTERS, rays)
+    ranges: Array = CELL * rng.integers(3, 22, rays).astype(np.float64)
+    return _case(poses, (bearings, ranges), field, kind)
+
+
+def features(outcome: Outcome) -> Array:
+    """The log-weights; what is not finite stays, as it tells something."""
+    return array_of(outcome.result, (len(outcome.case.arguments[0]),), finite=False)
+
+
+def expected(case: Case, mistakes: frozenset[str]) -> Array:
+    """The log-weights that formulas with mistakes give."""
+    poses, bearings, ranges, field, sigma = case.arguments
+    seen = np.isfinite(ranges)
+    x, y = ends(poses, bearings[seen], ranges[seen], mistakes)
+    away = distances(x, y, field, mistakes)
+    if "nearest" in mistakes:
+        clearance = distances(poses[:, :1], poses[:, 1:2], field, mistakes)
+        away = np.abs(clearance - ranges[seen].min())
+    with np.errstate(all="ignore"):
+        weights = weights_of(away, sigma, mistakes)
+    # An infinite range that is kept ends at the map's border, or wherever else no tape is.
+    kept = (~seen).sum() if "far-away" in mistakes else 0
+    weights += math.log(RANDOM) * kept
+    return weights
+
+
+def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
+    """What shows by itself: equal weights, headings that do not count, underflow, sigma."""
+    spread = [item for item in outcomes if item.case.kind in ("headings", "particles", "many")]
+    if spread and all(np.ptp(features(item)) == 0 for item in spread):
+        yield Sign("S7", spread[0])
+        return
+    yield from _underflow(outcomes)
+    for item in outcomes:
+        given = features(item)
+        if item.case.kind == "headings" and np.isfinite(given).all() and np.ptp(given) < 1e-12:
+            yield Sign("S6", item)
+        if item.case.kind == "particles" and _is_inverse(item, given):
+            yield Sign("S3", item)
+        if item.case.kind == "no-return" and not np.isfinite(given).all():
+            yield Sign("no-return", item)
+    yield from _narrow(outcomes)
+
+
+def _underflow(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
+    for item in outcomes:
+        given = features(item)
+        if item.case.kind == "many" and (np.isneginf(given).any() or (given == 0).any()):
+            yield Sign("S1", item)
+
+
+def _is_inverse(outcome: Outcome, given: Array) -> bool:
+    """Return whether weights, or what they are the logarithm of, fall as one over the distances."""
+    poses, bearings, ranges, field, _ = outcome.case.arguments
+    away = distances(*ends(poses, bearings, ranges, REFERENCE), field, REFERENCE)
+    with np.errstate(all="ignore"):
+        for total in (away.sum(axis=1), (away**2).sum(axis=1)):
+            for weight in (given, np.exp(given)):
+                product = weight * total
+                if product.min() > 0 and product.max() < 1.02 * product.min():
+                    return True
+    return False
+
+
+def _narrow(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
+    """Work out which sigma the weights of single rays mean, where they are not all but zero."""
+    rays = [item for item in outcomes if item.case.kind == "one"]
+    away = np.array([_one_distance(item) for item in rays])
+    given = np.array([features(item)[0] for item in rays])
+    with np.errstate(all="ignore"):
+        shares = (np.exp(given) - RANDOM) / HIT
+        clear = (shares > 1e-6) & (shares < 1)
+        widths = away[clear] / np.sqrt(-2 * np.log(shares[clear]))
+        width = widths.mean() if clear.any() else SIGMA
+        fits = np.abs(shares - np.exp(-((away / width) ** 2) / 2)) < 1e-5
+    if clear.any() and width < 0.97 * SIGMA and fits.all():
+        yield Sign("S8", rays[0])
+
+
+def _one_distance(outcome: Outcome) -> float:
+    poses, bearings, ranges, field, _ = outcome.case.arguments
+    return float(distances(*ends(poses, bearings, ranges, REFERENCE), field, REFERENCE)[0, 0])
+
+
+def show(_case: Case, values: Array) -> str:
+    """Return log-weights in words."""
+    return ", ".join(f"{value:.3g}" for value in values[:6]) + (", ..." if len(values) > 6 else "")
+
+
+def picture(outcome: Outcome, _due: Array, _given: Array) -> str:
+    """Draw the tape, the guesses, and where the first one's rays end."""
+    poses, bearings, ranges, _, _ = outcome.case.arguments
+    x, y = ends(poses[:1], bearings, ranges, REFERENCE)
+    return draw_scan(headings_apart(poses[:8]), np.stack([x[0], y[0]], axis=1)[:60], TAPE)
+
+
+def situation(case: Case) -> dict[str, float]:
+    """The first guess, as far from the lower side of the dashboard's square as from its tape."""
+    x, y, theta = case.arguments[0][0] - SQUARE
+    return {"guess_x": x, "guess_y": y, "guess_theta": theta}
+
+
+CHECKS = Checks(
+    functions=("log_weight",),
+    cases=cases,
+    features=features,
+    expected=expected,
+    hypotheses=(
+        Hypothesis("sign", "S2", frozenset(INVERSES)),
+        *(Hypothesis(name, "S5", STARTS) for name in sorted(STARTS)),
+        *(Hypothesis(name, "S8", frozenset(WIDTHS)) for name in NARROW),
+        *(Hypothesis(name, "sigma", frozenset(WIDTHS)) for name in WIDE),
+        *(Hypothesis(name, "S6", kind="headings") for name in ("no-heading", "nearest")),
+        *(Hypothesis(name, "S3", JOINTS) for name in INVERSES),
+        *(Hypothesis(name, "S1", JOINTS, "many") for name in PRODUCTS),
+        Hypothesis("plain", "no-logarithm", JOINTS),
+        *(Hypothesis(f"{name}-as-degrees", "S4") for name in ("heading", "bearings", "angles")),
+        *(Hypothesis(name, "outliers") for name in ("no-outliers", "only-hits", "outliers-inside")),
+        Hypothesis("normal-density", "density"),
+        Hypothesis("rows", "rows"),
+        Hypothesis("rounded", "half-cell"),
+        *(Hypothesis(name, "mean", JOINTS) for name in ("mean", "cubed")),
+        Hypothesis("sum", "sum", JOINTS),
+        Hypothesis("plain-sum", "sum", JOINTS),
+        Hypothesis("far-away", "no-return", kind="no-return"),
+        Hypothesis("no-square", "square"),
+        Hypothesis("bearing-subtracted", "bearing-sign"),
+        Hypothesis("heading-subtracted", "heading-sign"),
+        Hypothesis("place-lost", "place-lost"),
+    ),
+    signs=signs,
+    show=show,
+    picture=picture,
+    situation=situation,
+)

@@ -1,0 +1,230 @@
+"""Lesson 4: ``motion(poses, moved, alphas, rng)`` moves the particles, each with its own noise."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from functools import lru_cache
+
+import numpy as np
+
+from app.features.course.grader.case import REFERENCE, Case, Checks, Hypothesis, Outcome, Sign
+from app.features.course.grader.drawing import draw_clouds, draw_poses
+from app.features.course.grader.forms import array_of, generator_signs, heading_sign, headings_apart
+from app.features.course.grader.mistaken_motion import sampled
+from app.features.course.grader.words import Words
+from robot.geometry import Array, compose, wrap_angle
+
+COUNT, MANY = 6000, 20_000
+"""Particles of a cloud whose spread is measured, and of the reference's."""
+LIKELY = 6.0
+"""Standard errors that a correct cloud never differs by, and no seed of the checks comes near."""
+NOISELESS = np.zeros(4)
+STEPS = (
+    ("straight", "A step of 50 mm straight ahead, without noise.", (0.05, 0.0, 0.0)),
+    ("spin", "A turn of 30° on the spot, without noise.", (0.0, 0.0, math.radians(30))),
+    ("arc", "A step on an arc to the left, without noise.", (0.06, 0.02, math.radians(40))),
+    ("back", "A step of 40 mm backwards, without noise.", (-0.04, 0.0, 0.0)),
+    ("back", "A step backwards on an arc, without noise.", (-0.05, 0.01, math.radians(-20))),
+)
+NOISES = (
+    ("noise", "Straight ahead, alpha2 alone: driving turns.", (0.1, 0.0, 0.0), (0, 0.3, 0, 0)),
+    ("noise", "Straight ahead, alpha3 alone: ways differ.", (0.1, 0.0, 0.0), (0, 0, 0.02, 0)),
+    ("turn", "On an arc, alpha1 alone: turns differ.", (0.08, 0.03, 0.9), (0.02, 0, 0, 0)),
+    ("turn", "On an arc, alpha4 alone: turning shifts.", (0.08, 0.03, 0.9), (0, 0, 0, 0.0005)),
+    ("reverse", "Straight back, alpha1 alone: nothing turns.", (-0.1, 0.0, 0.0), (0.02, 0, 0, 0)),
+    ("reverse", "Back on an arc, all four.", (-0.1, 0.01, -0.2), (0.01, 0.2, 0.01, 0.001)),
+)
+ANGLES = frozenset(["new-heading", "old-heading"])
+SWAPS = ("alphas-swapped", "first-two-swapped", "last-two-swapped")
+SUMS = ("first-alone", "second-alone", "sum-squared", "unsquared")
+SIZES = frozenset(
+    ["variance", "absolute", "no-noise", "uniform", "positive", "from-zero", *SWAPS, *SUMS]
+)
+
+
+def cases(seed: int) -> list[Case]:
+    """Steps without noise for particles that look everywhere, then clouds, then the generator."""
+    rng = np.random.default_rng(seed)
+    looking = np.column_stack([np.zeros((4, 2)), np.array([0.0, 1.0, -1.0, 2.0]) * math.pi / 2])
+    some = rng.uniform([-1, -1, -math.pi], [1, 1, math.pi], (5, 3))
+    made = [_exact(poses, step) for poses in (looking, some) for step in STEPS]
+    made.append(_exact(np.array([[0.2, 0.1, 3.1], [0.2, 0.1, -3.0]]), STEPS[1]))
+    made.append(_exact(np.array([[0.2, 0.1, -3.1]]), (*STEPS[1][:2], (0.0, 0.0, -0.5))))
+    made += [_cloud(noise, seed + 100 * index) for index, noise in enumerate(NOISES)]
+    poses, alphas = np.tile(looking, (5, 1)), np.array([0.01, 0.01, 0.01, 0.001])
+    words = Words("Twice with the same generator's seed, then with another.")
+    arguments = (poses, np.array(STEPS[2][2]), alphas)
+    seeds = (seed + 1, seed + 1, seed + 2)
+    made.append(Case("motion", arguments, words, "seeds", math.inf, seeds))
+    return made
+
+
+def _exact(poses: Array, step: tuple[str, str, tuple[float, float, float]]) -> Case:
+    kind, text, moved = step
+    words = Words("{step} {count} particles.", {"step": Words(text), "count": len(poses)})
+    return Case("motion", (poses, np.array(moved), NOISELESS), words, kind, 1e-7, (7,))
+
+
+def _cloud(
+    noise: tuple[str, str, tuple[float, float, float], tuple[float, float, float, float]], seed: int
+) -> Case:
+    kind, text, moved, alphas = noise
+    words = Words("{step} {count} particles in one place.", {"step": Words(text), "count": COUNT})
+    arguments = (np.zeros((COUNT, 3)), np.array(moved), np.array(alphas, dtype=float))
+    errors = LIKELY / math.sqrt(COUNT) * np.array([1, 1, 1, 0.72, 0.72, 0.72, 1, 1])
+    return Case("motion", arguments, words, kind, errors, (seed,))
+
+
+def _is_cloud(case: Case) -> bool:
+    return case.kind in ("noise", "turn", "reverse")
+
+
+def features(outcome: Outcome) -> Array:
+    """Poses, their headings as cosine and sine; of a cloud, how it is shifted and spread."""
+    case = outcome.case
+    poses = array_of(outcome.result, case.arguments[0].shape)
+    if not _is_cloud(case):
+        return headings_apart(poses)
+    return _spread(poses, case)
+
+
+def _spread(poses: Array, case: Case) -> Array:
+    """Return of way, direction and turn: shifts in deviations, their logarithms, correlations.
+
+    The error of each is the same whatever the spread is.
+    """
+    _, moved, _ = case.arguments
+    errors = _steps(poses, moved) - _steps(compose(np.zeros((1, 3)), moved), moved)
+    errors[:, 1:] = wrap_angle(errors[:, 1:])
+    deviations = np.maximum(errors.std(axis=0), 1e-6)
+    scaled = (errors - errors.mean(axis=0)) / deviations
+    # Where there is no spread there is no correlation either.
+    related = [float((scaled[:-1, axis] * scaled[1:, axis]).mean()) for axis in (0, 2)]
+    return np.concatenate([errors.mean(axis=0) / deviations, np.log(deviations), related])
+
+
+def _steps(poses: Array, moved: Array) -> Array:
+    """Return way, its direction and the turn (n, 3) of particles that began at the origin."""
+    sign = -1.0 if moved[0] < 0 else 1.0
+    x, y, theta = poses.T
+    return np.column_stack([sign * np.hypot(x, y), np.arctan2(sign * y, sign * x), theta])
+
+
+def expected(case: Case, mistakes: frozenset[str]) -> Array:
+    """The features that formulas with mistakes give."""
+    poses, moved, alphas = case.arguments
+    if not _is_cloud(case):
+        return headings_apart(sampled(poses, moved, alphas, mistakes, 7))
+    return _reference_spread(tuple(moved), tuple(alphas), mistakes)
+
+
+@lru_cache(maxsize=4096)
+def _reference_spread(
+    moved: tuple[float, ...], alphas: tuple[float, ...], mistakes: frozenset[str]
+) -> Array:
+    case = Case("motion", (np.zeros((MANY, 3)), np.array(moved), np.array(alphas)), Words(""))
+    return _spread(sampled(*_given(case), mistakes, 1), case)
+
+
+def _given(case: Case) -> tuple[Array, Array, Array]:
+    poses, moved, alphas = case.arguments
+    return poses, moved, alphas
+
+
+def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
+    """What shows by itself: no spread, a spin that moves, a generator that is not asked."""
+    for outcome in outcomes:
+        yield from heading_sign(outcome, np.asarray(outcome.result))
+    clouds = [item for item in outcomes if item.case.kind == "noise"]
+    if clouds and all(np.asarray(item.result).std(axis=0).max() < 1e-9 for item in clouds):
+        yield Sign("M5", clouds[0])
+    backs = [item for item in outcomes if item.case.kind == "reverse"]
+    if backs and all(_wider(item) for item in backs) and not any(_wider(item) for item in clouds):
+        yield Sign("M3", backs[0])
+    for outcome in outcomes:
+        poses = np.asarray(outcome.result)
+        if outcome.case.kind == "spin":
+            moved = np.abs(poses[:, :2] - outcome.case.arguments[0][:, :2])
+            if moved.max() > 1e-6:
+                yield Sign("M4", outcome)
+        if outcome.case.kind == "straight" and _is_parallel(outcome):
+            yield Sign("M1", outcome)
+        if outcome.case.kind == "seeds":
+            drawn = [np.asarray(answer.result) for answer in outcome.answers]
+            if np.ptp(drawn[0][::4], axis=0).max() > 0:  # every fourth particle starts alike
+                yield from generator_signs(outcome, drawn)
+
+
+def _wider(outcome: Outcome) -> bool:
+    given, due = features(outcome), expected(outcome.case, REFERENCE)
+    return bool((given[3:6] - due[3:6]).max() > 0.5)
+
+
+def _is_parallel(outcome: Outcome) -> bool:
+    """Return whether all particles shift alike, though they look into different directions."""
+    shifts = np.asarray(outcome.result)[:, :2] - outcome.case.arguments[0][:, :2]
+    return bool(np.ptp(shifts, axis=0).max() < 1e-9 and np.abs(shifts).max() > 1e-6)
+
+
+def show(case: Case, values: Array) -> str:
+    """Return poses, or a cloud's spread, in words."""
+    if _is_cloud(case):
+        way, toward, turn = 1000 * math.exp(values[3]), *np.degrees(np.exp(values[4:6]))
+        return f"way ± {way:.1f} mm, direction ± {toward:.1f}°, heading ± {turn:.1f}°"
+    shown = values.reshape(-1, 4)[:4]
+    return "; ".join(
+        f"x {1000 * x:.0f} mm, y {1000 * y:.0f} mm, {math.degrees(math.atan2(s, c)):.0f}°"
+        for x, y, c, s in shown
+    )
+
+
+def picture(outcome: Outcome, due: Array, given: Array) -> str:
+    """Draw the clouds, or the first particle that is elsewhere than it should be."""
+    case = outcome.case
+    if _is_cloud(case):
+        small = np.zeros((150, 3))
+        cloud = sampled(small, *_given(case)[1:], REFERENCE, 3)
+        return draw_clouds({"due": cloud, "given": np.asarray(outcome.result)[:150]})
+    rows = due.reshape(-1, 4), given.reshape(-1, 4)
+    worst = int(np.abs(rows[0] - rows[1]).max(axis=1).argmax())
+    start = headings_apart(case.arguments[0])[worst]
+    return draw_poses({"start": start, "due": rows[0][worst], "given": rows[1][worst]})
+
+
+def situation(case: Case) -> dict[str, float]:
+    """The first particle's heading, in the middle of the field, and the cloud there."""
+    theta = case.arguments[0][0, 2]
+    return {"x": 0, "y": 0, "theta": theta, "guess_x": 0, "guess_y": 0, "guess_theta": theta}
+
+
+CHECKS = Checks(
+    functions=("motion",),
+    cases=cases,
+    features=features,
+    expected=expected,
+    hypotheses=(
+        Hypothesis("not-turned", "M1"),
+        Hypothesis("reverse-turns", "M3", kind="reverse"),
+        Hypothesis("no-noise", "M5", SIZES, "noise"),
+        Hypothesis("new-heading", "M2", ANGLES),
+        Hypothesis("old-heading", "old-heading", ANGLES),
+        Hypothesis("degrees", "S4"),
+        Hypothesis("variance", "variance", SIZES),
+        Hypothesis("absolute", "alphas", SIZES),
+        *(Hypothesis(name, "alphas", SIZES) for name in SWAPS),
+        *(Hypothesis(name, "variances", SIZES) for name in SUMS),
+        Hypothesis("uniform", "noise-form", SIZES),
+        Hypothesis("positive", "noise-form", SIZES),
+        Hypothesis("from-zero", "noise-form", SIZES),
+        Hypothesis("same-draw", "same-draw", kind="turn"),
+        Hypothesis("one-rotation", "rotation-lost"),
+        Hypothesis("whole-turn", "second-turn"),
+        Hypothesis("direction-swapped", "arctan"),
+        Hypothesis("sine-first", "sine"),
+    ),
+    signs=signs,
+    show=show,
+    picture=picture,
+    situation=situation,
+)

@@ -1,0 +1,205 @@
+"""Lesson 5: ``resample(poses, weights, rng)`` draws the particles that survive, by weight."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.features.course.grader.case import Case, Checks, Hypothesis, Outcome, Sign
+from app.features.course.grader.drawing import draw_bars
+from app.features.course.grader.forms import array_of, generator_signs, pair_of
+from app.features.course.grader.words import Words
+from app.features.course.sandbox.student_process import Answer
+from robot.geometry import Array
+
+DRAWS = 60
+"""Draws over which the copies of each particle are averaged."""
+LIKELY = 6.0
+"""Standard errors that no correct sampler differs by."""
+Indices = NDArray[np.intp]
+UNLIKE = -1
+"""Index of a particle that was not among those given."""
+SHARED = Words("Two of the particles that come back are one and the same in memory.")
+
+
+def cases(seed: int) -> list[Case]:
+    """One particle has all the weight; some have none; then many draws."""
+    rng = np.random.default_rng(seed)
+    made = [_sole(place, 6) for place in (0, 2, 5)]
+    made.append(_many(np.array([0.5, 0.0, 0.3, 0.0, 0.2]), seed))
+    uneven = np.tile([0.02, 0.18], 5) * rng.uniform(0.8, 1.2, 10)
+    made.append(_many(uneven / uneven.sum(), seed + 100))
+    small = rng.uniform(size=40) ** 3 * (rng.random(40) < 0.7)
+    made.append(_many(small / small.sum(), seed + 200))
+    words = Words("Twice with the same generator's seed, then with others.")
+    even = rng.uniform(0.5, 1.5, 40)
+    arguments = (_poses(40), even / even.sum())
+    seeds = (seed + 1, seed + 1, *range(seed + 2, seed + 10))
+    made.append(Case("resample", arguments, words, "seeds", np.inf, seeds))
+    return made
+
+
+def _poses(count: int) -> Array:
+    index = np.arange(count)
+    return np.column_stack([0.1 * index, 1 - 0.01 * index, index / count])
+
+
+def _sole(place: int, count: int) -> Case:
+    words = Words(
+        "Of {count} particles, number {place} has all the weight (counted from 0).",
+        {"count": count, "place": place},
+    )
+    return Case("resample", (_poses(count), np.eye(count)[place]), words, "sole", 1e-9, (5,))
+
+
+def _many(weights: Array, seed: int) -> Case:
+    count = len(weights)
+    words = Words(
+        "{count} particles with the weights {weights}; {draws} draws.",
+        {
+            "count": count,
+            "weights": ", ".join(f"{weight:.2f}" for weight in weights[:10]),
+            "draws": DRAWS,
+        },
+    )
+    # The most that copies vary, by the plainest sampler; better ones vary less.
+    error = LIKELY * np.sqrt(count * weights * (1 - weights) / DRAWS) + 1e-9
+    seeds = tuple(range(seed, seed + DRAWS))
+    return Case("resample", (_poses(count), weights), words, "many", error, seeds)
+
+
+def features(outcome: Outcome) -> Array:
+    """How many copies there are of each particle, on the average."""
+    count = len(outcome.case.arguments[1])
+    copies = np.zeros(count)
+    for answer in outcome.answers:
+        drawn = _drawn(answer, outcome.case)
+        copies += np.bincount(drawn[drawn != UNLIKE], minlength=count)
+    return copies / len(outcome.answers)
+
+
+def _drawn(answer: Answer, case: Case) -> Indices:
+    """Return which particle each copy is of (n,)."""
+    given: Array = case.arguments[0]
+    poses = array_of(pair_of(answer.result)[0], given.shape)
+    apart: Array = np.abs(poses[:, None] - given).max(axis=2)
+    nearest = np.asarray(apart.argmin(axis=1), dtype=np.intp)
+    nearest[apart.min(axis=1) >= 1e-9] = UNLIKE
+    return nearest
+
+
+def expected(case: Case, mistakes: frozenset[str]) -> Array:
+    """How many copies there would be, on the average, with mistakes."""
+    weights: Array = case.arguments[1]
+    rule = next((rule for name, rule in RULES.items() if name in mistakes), None)
+    return len(weights) * (rule(weights) if rule else weights)
+
+
+def _shifted(weights: Array, shift: int) -> Array:
+    moved = np.zeros(len(weights))
+    np.add.at(moved, np.clip(np.arange(len(weights)) + shift, 0, len(weights) - 1), weights)
+    return moved
+
+
+RULES: dict[str, Callable[[Array], Array]] = {
+    "next-one": lambda weights: _shifted(weights, 1),
+    "one-before": lambda weights: _shifted(weights, -1),
+    "next-one-around": lambda weights: np.roll(weights, 1),
+    "one-before-around": lambda weights: np.roll(weights, -1),
+    "equal": lambda weights: np.full(len(weights), 1 / len(weights)),
+    "best": lambda weights: np.eye(len(weights))[int(weights.argmax())],
+    "squares": lambda weights: weights**2 / (weights**2).sum(),
+    "roots": lambda weights: np.sqrt(weights) / np.sqrt(weights).sum(),
+}
+
+
+def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
+    """What shows by itself: weights that come back, shared memory, survivors without weight."""
+    for outcome in outcomes:
+        if outcome.answers[0].linked:
+            yield Sign("R3", outcome, apart=True, note=SHARED)
+        yield from _weights(outcome)
+        if outcome.case.kind == "seeds":
+            draws = [_drawn(answer, outcome.case) for answer in outcome.answers]
+            yield from generator_signs(outcome, draws)
+    yield from _survivors(outcomes)
+
+
+def _survivors(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
+    """Name survivors that have nothing to do with the weights, or not enough."""
+    many = [item for item in outcomes if item.case.kind == "many"]
+    if many and all(np.abs(features(item) - 1).max() < LIKELY / DRAWS**0.5 for item in many):
+        yield Sign("weights-ignored", many[0])
+        return
+    wrong: list[tuple[Outcome, bool]] = []
+    for outcome in outcomes:
+        drawn = np.concatenate([_drawn(answer, outcome.case) for answer in outcome.answers])
+        weightless = (outcome.case.arguments[1][drawn] == 0).sum()
+        if (drawn == UNLIKE).any():
+            yield Sign("invented", outcome)
+        elif weightless and not outcome.answers[0].shared:
+            wrong.append((outcome, weightless <= len(outcome.answers) or _beside(outcome, drawn)))
+    if wrong:
+        yield Sign("R4" if all(near for _, near in wrong) else "line", wrong[0][0])
+
+
+def _beside(outcome: Outcome, drawn: Indices) -> bool:
+    """Return whether all survivors are the one that has all the weight, or sit beside it."""
+    if outcome.case.kind != "sole":
+        return True  # what is beside what cannot be told
+    count = len(outcome.case.arguments[1])
+    apart = (drawn - int(outcome.case.arguments[1].argmax())) % count
+    return bool(np.isin(apart, (0, 1, count - 1)).all())
+
+
+def _weights(outcome: Outcome) -> Iterator[Sign]:
+    """Compare the weights that come back with what they should be, and might be."""
+    answer, before = outcome.answers[0], outcome.case.arguments[1]
+    count = len(before)
+    weights = array_of(pair_of(answer.result)[1], (count,), finite=False)
+    drawn = _drawn(answer, outcome.case)
+    if np.abs(weights - 1 / count).max() < 1e-9 or outcome.case.kind == "seeds":
+        return
+    kept = before[drawn]
+    text = "The weights that come back are {weights}; {due} each is due."
+    values = {"weights": ", ".join(f"{weight:.2f}" for weight in weights[:8]), "due": f"1/{count}"}
+    note = Words(text, values)
+    for likely, cause in ((before, "R2"), (kept, "R1"), (kept / max(kept.sum(), 1e-300), "R1")):
+        if outcome.case.kind == "many" and np.abs(weights - likely).max() < 1e-9:
+            yield Sign(cause, outcome, apart=True, note=note)
+            return
+    if outcome.case.kind == "many":
+        yield Sign("weights", outcome, apart=True, note=note)
+
+
+def show(_case: Case, values: Array) -> str:
+    """Return numbers of copies in words."""
+    return ", ".join(f"{value:.2g}" for value in values[:10]) + (
+        ", ..." if len(values) > 10 else ""
+    )
+
+
+def picture(_outcome: Outcome, due: Array, given: Array) -> str:
+    """Draw how many copies of each particle there are."""
+    return draw_bars(due[:10], given[:10], [str(index) for index in range(min(10, len(due)))])
+
+
+ALL = frozenset(RULES)
+CHECKS = Checks(
+    functions=("resample",),
+    cases=cases,
+    features=features,
+    expected=expected,
+    hypotheses=(
+        *(Hypothesis(name, "R4", ALL) for name in list(RULES)[:4]),
+        Hypothesis("equal", "weights-ignored", ALL),
+        Hypothesis("best", "best-only", ALL),
+        Hypothesis("squares", "weights-changed", ALL),
+        Hypothesis("roots", "weights-changed", ALL),
+    ),
+    signs=signs,
+    show=show,
+    picture=picture,
+)

@@ -1,0 +1,294 @@
+"""Lesson 6: ``loop(poses, weights, moved, scan, parts)`` is one round of the whole filter."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from app.features.course.grader.case import REFERENCE, Ask, Case, Checks, Hypothesis, Outcome, Sign
+from app.features.course.grader.drawing import draw_bars
+from app.features.course.grader.forms import array_of, pair_of
+from app.features.course.grader.small_world import SmallWorld
+from app.features.course.grader.words import Words
+from app.features.course.sandbox.student_process import OFFERED
+from robot.geometry import Array
+
+STILL_M, STILL_RAD = 0.001, 0.01
+"""The robot stands if it moved less, both ways."""
+PARTS = SimpleNamespace(
+    motion=OFFERED + "motion", log_weight=OFFERED + "log_weight", resample=OFFERED + "resample"
+)
+EVEN, UNEVEN = np.full(4, 0.25), np.array([0.4, 0.3, 0.2, 0.1])
+FLAT, SHARP, LOW = np.full(4, -2.0), np.array([0.0, -6.0, -9.0, -5.0]), np.full(4, -900.0)
+MILD = np.array([0.0, -0.7, -0.4, -0.9])
+LONE = np.array([0.0, -800.0, -801.0, -805.0])
+GOOD, BAD = np.log([0.6, 0.25, 0.1, 0.05]), np.log([0.71, 0.2, 0.05, 0.04])
+STEP = (0.05, 0, 0)
+MOVES = (
+    ("flat", "It moved 50 mm; all fit alike; the weights were uneven.", STEP, UNEVEN, FLAT),
+    ("move", "It moved 50 mm; the particles fit a little differently.", STEP, EVEN, MILD),
+    ("move", "It moved 50 mm; weights and fits are uneven.", (0.05, 0, 0.1), UNEVEN, MILD),
+    ("stand", "It stands.", (0.0, 0, 0), UNEVEN, MILD),
+    ("stand", "It stands: it moved 0.8 mm.", (0.0008, 0, 0), UNEVEN, MILD),
+    ("stand", "It stands: it turned 0.008 rad.", (0.0, 0, 0.008), UNEVEN, MILD),
+    ("move", "It moved 1.2 mm.", (0.0012, 0, 0), UNEVEN, MILD),
+    ("move", "It moved 1.2 mm, nearly all of it to the side.", (0.0002, 0.0012, 0), UNEVEN, MILD),
+    ("move", "It turned 0.012 rad on the spot.", (0.0, 0, 0.012), UNEVEN, MILD),
+    ("move", "It turned 0.012 rad to the right on the spot.", (0.0, 0, -0.012), UNEVEN, MILD),
+    ("move", "It moved 50 mm backwards.", (-0.05, 0, 0), UNEVEN, MILD),
+    ("survive", "It moved 50 mm; one particle fits far better.", STEP, EVEN, SHARP),
+    ("low", "It moved 50 mm; all log-weights are about -900.", STEP, UNEVEN, LOW + MILD),
+    ("survive", "It moved 50 mm; log-weights are about -900, one fits far better.", STEP, UNEVEN,
+     LOW + SHARP),
+    ("survive", "It moved 50 mm; one particle fits, the others not at all.", STEP, UNEVEN, LONE),
+    ("edge", "The effective sample size is 2.2 of 4.", STEP, EVEN, GOOD),
+    ("edge", "The effective sample size is 1.8 of 4.", STEP, EVEN, BAD),
+)  # fmt: skip
+RUNS, ROUNDS, COUNT = 20, 8, 150
+"""Drives through the small world, each with its own seed."""
+NEAR_M = 0.12
+TIMES = frozenset(["never-resamples", "always-resamples", "the-other-way"])
+STANDS = ("either", "way-alone", "signed", "ahead-alone")
+
+
+@dataclass(eq=False)
+class CountedParts:
+    """The parts of a filter, so simple that their results are known; counts its calls."""
+
+    fits: Array
+    calls: dict[str, int] = field(default_factory=dict)
+
+    def reset(self) -> None:
+        """Count from zero."""
+        self.calls = {"motion": 0, "log_weight": 0, "resample": 0}
+
+    def motion(self, poses: Array, moved: Array) -> Array:
+        """Add the step."""
+        self.calls["motion"] += 1
+        return np.asarray(poses) + np.asarray(moved)
+
+    def log_weight(self, poses: Array, scan: float) -> Array:
+        """Return the fits; they depend on the poses, so that the order shows."""
+        self.calls["log_weight"] += 1
+        x, y, _ = np.asarray(poses).T
+        fits: Array = self.fits + 4 * y + 100 * (x - scan) * (1 + y)  # a step alters their ratios
+        return fits
+
+    def resample(self, poses: Array, weights: Array) -> tuple[Array, Array]:
+        """Draw the heaviest twice, and forget the lightest."""
+        self.calls["resample"] += 1
+        order = np.argsort(-np.nan_to_num(np.asarray(weights)), kind="stable")
+        drawn = order[[0, 0, 1, 2]]
+        return np.asarray(poses)[drawn], np.full(4, 0.25)
+
+    @property
+    def offered(self) -> dict[str, Callable[..., Any]]:
+        """The functions by name."""
+        return {
+            "motion": self.motion,
+            "log_weight": self.log_weight,
+            "resample": self.resample,
+        }
+
+
+def cases(seed: int) -> list[Case]:
+    """Single rounds whose result is known; then whole drives."""
+    rng = np.random.default_rng(seed)
+    made = [_round(move, rng) for move in MOVES]
+    words = Words("{runs} drives of {rounds} rounds.", {"runs": RUNS, "rounds": ROUNDS})
+    made.append(_drives(words, seed))
+    return made
+
+
+def _round(move: tuple[str, str, Any, Array, Array], rng: np.random.Generator) -> Case:
+    kind, text, moved, weights, fits = move
+    recorder = CountedParts(fits)
+    poses = np.column_stack([np.full(4, 0.3), rng.uniform(-0.02, 0.02, 4), rng.uniform(-1, 1, 4)])
+    if kind in ("flat", "edge"):
+        poses[:, 1] = 0.0
+    arguments = (poses, weights.copy(), np.array(moved, dtype=float), 0.3, PARTS)
+    return Case(
+        "loop", arguments, Words(text), kind, 1e-9, offered=recorder.offered, begin=recorder.reset
+    )
+
+
+def _drives(words: Words, seed: int) -> Case:
+    world = SmallWorld(seed)
+
+    def play(ask: Ask) -> float:
+        near = 0
+        for run in range(RUNS):
+            world.begin(seed + run)
+            poses = world.pose + world.rng.normal(0, [0.1, 0.1, 0.2], (COUNT, 3))
+            weights = np.full(COUNT, 1 / COUNT)
+            for _ in range(ROUNDS):
+                moved, scan = world.drive(), world.measure()
+                poses, weights = _valid(ask(poses, weights, moved, scan, PARTS).result, COUNT)
+            near += world.error(poses, weights) < NEAR_M
+        return near / RUNS
+
+    offered = {
+        "motion": world.motion,
+        "log_weight": world.log_weight,
+        "resample": world.resample,
+    }
+    return Case("loop", (), words, "drives", 0.11, offered=offered, play=play)
+
+
+def _valid(result: Any, count: int) -> tuple[Array, Array]:
+    poses, weights = pair_of(result)
+    return array_of(poses, (count, 3)), array_of(weights, (count,), finite=False)
+
+
+def features(outcome: Outcome) -> Array:
+    """Poses and weights after the round, and which parts were asked."""
+    if outcome.case.kind == "drives":
+        return np.array([outcome.result])
+    poses, weights = _valid(outcome.result, 4)
+    return _features(poses, weights, outcome.case)
+
+
+def _features(poses: Array, weights: Array, case: Case) -> Array:
+    recorder: CountedParts = case.offered["motion"].__self__  # type: ignore[attr-defined]
+    asked = [min(1, count) for count in recorder.calls.values()]
+    return np.concatenate([weights, poses.ravel(), np.array(asked, dtype=float)])
+
+
+def expected(case: Case, mistakes: frozenset[str]) -> Array:
+    """What a round with mistakes gives."""
+    if case.kind == "drives":
+        return np.ones(1)
+    recorder: CountedParts = case.offered["motion"].__self__  # type: ignore[attr-defined]
+    recorder.reset()
+    with np.errstate(all="ignore"):
+        before, prior, moved, scan, _ = case.arguments
+        poses, weights = _loop(before, prior, moved, scan, recorder, mistakes)
+    return _features(poses, weights, case)
+
+
+def _loop(
+    poses: Array,
+    weights: Array,
+    moved: Array,
+    scan: float,
+    parts: CountedParts,
+    mistakes: frozenset[str],
+) -> tuple[Array, Array]:
+    standing = _stands(moved, mistakes)
+    if standing and "only-motion-stands" not in mistakes and "updates" not in mistakes:
+        return poses, weights
+    before = poses
+    if not (standing and "only-motion-stands" in mistakes):
+        poses = parts.motion(poses, moved)
+    if "motion-lost" in mistakes:
+        poses = before
+    if "draws-first" in mistakes:
+        poses, weights = parts.resample(poses, weights)
+    fits = parts.log_weight(before if "weighs-first" in mistakes else poses, scan)
+    fits = fits - (0.0 if "underflow" in mistakes else fits.max())
+    prior = np.full(len(poses), 1 / len(poses)) if "prior-lost" in mistakes else weights
+    weights = prior * np.exp(fits)
+    if "no-exponential" in mistakes:
+        weights = prior + fits
+    if "log-times" in mistakes:
+        weights = prior * parts.log_weight(poses, scan)
+    if "added" in mistakes:
+        weights = prior + np.exp(fits)
+    if "not-normalized" not in mistakes:
+        weights = weights / weights.sum()
+    return _survivors(poses, weights, parts, mistakes)
+
+
+def _stands(moved: Array, mistakes: frozenset[str]) -> bool:
+    dx, dy, turn = moved
+    short = (dx if "ahead-alone" in mistakes else math.hypot(dx, dy)) < STILL_M
+    straight = (turn if "signed" in mistakes else abs(turn)) < STILL_RAD
+    if "either" in mistakes:
+        return bool(short or straight)
+    return bool(short and (straight or "way-alone" in mistakes))
+
+
+def _survivors(
+    poses: Array, weights: Array, parts: CountedParts, mistakes: frozenset[str]
+) -> tuple[Array, Array]:
+    effective = 1 / (weights**2).sum()
+    wanted = effective < len(poses) / 2
+    if "never-resamples" in mistakes:
+        wanted = np.bool_(False)
+    if "always-resamples" in mistakes:
+        wanted = np.bool_(True)
+    if "the-other-way" in mistakes:
+        wanted = effective > len(poses) / 2
+    if not wanted:
+        return poses, weights
+    drawn, even = parts.resample(poses, weights)
+    if "survivors-lost" in mistakes:
+        return poses, weights
+    return drawn, weights if "weights-kept" in mistakes else even
+
+
+def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
+    """What shows by itself: a scan that counts while standing, a past that is forgotten, nan."""
+    for outcome in outcomes:
+        if outcome.case.kind == "drives":
+            continue
+        given, due = features(outcome), expected(outcome.case, REFERENCE)
+        if outcome.case.kind == "stand" and np.abs(given[:4] - due[:4]).max() > 1e-9:
+            yield Sign("R5", outcome)
+        if not np.isfinite(given[:4]).all():
+            yield Sign("S1", outcome)
+        if outcome.case.kind == "flat" and np.ptp(given[:4]) < 1e-9 and not given[-1]:
+            yield Sign("R6", outcome)
+
+
+def show(case: Case, values: Array) -> str:
+    """Return weights in words, or how many drives ended at the robot."""
+    if case.kind == "drives":
+        return f"{round(RUNS * values[0])}/{RUNS}"
+    asked = values[-3:] > 0
+    names = [name for name, was in zip(vars(PARTS), asked, strict=True) if was]
+    weights = ", ".join(f"{weight:.3f}" for weight in values[:4])
+    called = ", ".join(names) or "–"
+    return f"{weights}; called: {called}"
+
+
+def picture(outcome: Outcome, due: Array, given: Array) -> str:
+    """Draw the weights."""
+    if outcome.case.kind == "drives":
+        return ""
+    return draw_bars(due[:4], given[:4], ["0", "1", "2", "3"])
+
+
+CHECKS = Checks(
+    functions=("loop",),
+    cases=cases,
+    features=features,
+    expected=expected,
+    hypotheses=(
+        Hypothesis("updates", "R5", frozenset(["only-motion-stands"]), "stand"),
+        Hypothesis("only-motion-stands", "R5", frozenset(["updates"]), "stand"),
+        Hypothesis("prior-lost", "R6"),
+        Hypothesis("underflow", "S1", kind="low"),
+        Hypothesis("weights-kept", "R1", kind="survive"),
+        Hypothesis("weighs-first", "order", frozenset(["motion-lost"])),
+        Hypothesis("motion-lost", "motion-lost", frozenset(["weighs-first"])),
+        Hypothesis("not-normalized", "not-normalized"),
+        Hypothesis("no-exponential", "exponential"),
+        Hypothesis("log-times", "exponential"),
+        Hypothesis("added", "added"),
+        Hypothesis("never-resamples", "no-resampling", TIMES),
+        Hypothesis("always-resamples", "resampling-always", TIMES),
+        Hypothesis("the-other-way", "resampling-reversed", TIMES),
+        Hypothesis("survivors-lost", "survivors-lost"),
+        Hypothesis("draws-first", "resampling-early"),
+        *(Hypothesis(name, "standing", frozenset(STANDS)) for name in STANDS),
+    ),
+    signs=signs,
+    show=show,
+    picture=picture,
+)

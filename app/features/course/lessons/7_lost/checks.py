@@ -1,0 +1,265 @@
+"""Lesson 7: ``init(extent, count, rng)`` and ``estimate(poses, weights)``: lost on a field."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from app.features.course.grader.case import Case, Checks, Hypothesis, Outcome, Sign
+from app.features.course.grader.drawing import Drawing, draw_clouds
+from app.features.course.grader.forms import (
+    array_of,
+    generator_signs,
+    heading_sign,
+    headings_apart,
+    pose_features,
+)
+from app.features.course.grader.words import Words
+from robot.geometry import Array, wrap_angle
+
+COUNT = 5000
+LIKELY = 6.0
+"""Standard errors that no even start differs by."""
+NEAR_M, NEAR_RAD = 0.1, 0.5
+"""Particles this near to the heaviest belong to its place."""
+CORNERS = 4
+"""Columns, rows and headings into which the field is divided to look for empty places."""
+WEIGHTS = np.array([0.4, 0.3, 0.3])
+CLOUDS: tuple[tuple[str, str, Array, Array], ...] = (
+    ("one", "One particle.", np.array([[0.0, 0.0, 0.0]]), np.ones(1)),
+    ("cloud", "Two particles near each other, one with three times the weight.",
+     np.array([[0.0, 0.0, 0.0], [0.04, 0.02, 0.2]]), np.array([0.75, 0.25])),
+    ("around", "Two particles that look back, one at 3.1 rad and one at -3.1 rad.",
+     np.array([[0.0, 0.0, 3.1], [0.02, 0.0, -3.1]]), np.array([0.5, 0.5])),
+    ("around", "Three particles whose headings are about π.",
+     np.array([[0.0, 0.0, 3.13], [0.02, 0.0, -3.05], [0.0, 0.01, -3.0]]), WEIGHTS),
+    ("around", "Three particles whose headings are about -π.",
+     np.array([[0.0, 0.0, -3.13], [0.02, 0.0, 3.05], [0.0, 0.01, 3.0]]), WEIGHTS),
+    ("places", "Two places that look alike; the heavier particle is at the first.",
+     np.array([[0.0, 0.0, 0.0], [0.03, 0.0, 0.1], [1.0, 0.7, 3.0], [1.02, 0.7, -3.1]]),
+     np.array([0.3, 0.22, 0.25, 0.23])),
+    ("places", "One place, but one particle there looks elsewhere.",
+     np.array([[0.0, 0.0, 0.0], [0.03, 0.0, 0.1], [0.01, 0.0, 1.6]]), np.array([0.4, 0.3, 0.3])),
+    ("edge", "One particle is 80 mm away, another 120 mm.",
+     np.array([[0.0, 0.0, 0.0], [0.08, 0.0, 0.0], [0.0, 0.12, 0.0]]), np.array([0.4, 0.3, 0.3])),
+    ("edge", "One particle is 120 mm away, another 80 mm.",
+     np.array([[0.0, 0.0, 0.0], [0.12, 0.0, 0.0], [0.0, 0.08, 0.0]]), np.array([0.4, 0.3, 0.3])),
+    ("edge", "One particle is turned by 0.4 rad, another by -0.6 rad.",
+     np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 0.4], [0.0, 0.0, -0.6]]), np.array([0.4, 0.3, 0.3])),
+    ("edge", "One particle is turned by -0.4 rad, another by 0.6 rad.",
+     np.array([[0.0, 0.0, 0.0], [0.0, 0.0, -0.4], [0.0, 0.0, 0.6]]), np.array([0.4, 0.3, 0.3])),
+)  # fmt: skip
+STARTS = frozenset(
+    {
+        *("from-zero", "size-from-zero", "right-as-width", "pairs", "diagonal"),
+        *("half-circle", "heading-small", "heading-zero"),
+    }
+)
+
+
+def cases(seed: int) -> list[Case]:
+    """Where particles start, on three fields; then estimates, from one particle on."""
+    rng = np.random.default_rng(seed)
+    made = [_start(extent, seed + n) for n, extent in enumerate(_extents(rng))]
+    words = Words("Twice with the same generator's seed, then with another.")
+    arguments = (np.array([0.0, 0.0, 1.0, 1.0]), 20)
+    made.append(Case("init", arguments, words, "seeds", np.inf, (seed, seed, seed + 1)))
+    made += [_estimate(*given, rng) for given in CLOUDS]
+    made += [_estimate(*given, rng) for given in CLOUDS]
+    return made
+
+
+def _extents(rng: np.random.Generator) -> list[Array]:
+    drawn = np.concatenate([rng.uniform(-2, 0.5, 2), rng.uniform(1, 3, 2)])
+    return [np.array([0.0, 0.0, 2.0, 1.0]), np.array([0.5, -1.0, 1.5, 0.2]), drawn]
+
+
+def _start(extent: Array, seed: int) -> Case:
+    names = ("left", "bottom", "right", "top")
+    values = {name: f"{value:.2f}" for name, value in zip(names, extent, strict=True)}
+    text = "{count} particles on a field from x {left} to {right} m, y {bottom} to {top} m."
+    words = Words(text, {"count": COUNT, **values})
+    error = 1.4 * np.array([0.29] * 3 + [0.13] * 3 + [1.0] * 5)
+    tolerance = np.concatenate([LIKELY / math.sqrt(COUNT) * error, [0.3]])
+    return Case("init", (extent, COUNT), words, "start", tolerance, (seed,))
+
+
+def _estimate(kind: str, text: str, poses: Array, weights: Array, rng: np.random.Generator) -> Case:
+    """Make a case somewhere on the field; the headings stay, where they matter."""
+    shift = np.round(rng.uniform(-1, 1, 2), 2)
+    turn = 0.0 if kind == "around" else round(float(rng.uniform(-3, 3)), 2)
+    placed = np.column_stack([poses[:, :2] + shift, wrap_angle(poses[:, 2] + turn)])
+    order = rng.permutation(len(poses))
+    words = Words("{text} {poses}", {"text": Words(text), "poses": _in_words(placed[order])})
+    return Case("estimate", (placed[order], weights[order]), words, kind, 4e-3)
+
+
+def _in_words(poses: Array) -> str:
+    return "; ".join(f"({x:.2f}, {y:.2f}, {theta:.2f})" for x, y, theta in poses)
+
+
+def features(outcome: Outcome) -> Array:
+    """Of a start, how evenly it lies; of an estimate, the pose."""
+    case = outcome.case
+    if case.function == "estimate":
+        return pose_features(array_of(outcome.result, (3,)))
+    poses = array_of(outcome.result, (int(case.arguments[1]), 3))
+    if case.kind == "seeds":
+        return np.zeros(1)
+    return _evenness(poses, case.arguments[0])
+
+
+def _evenness(poses: Array, extent: Array) -> Array:
+    """Return means, deviations and relations of shares of the field, and the emptiest part."""
+    low, high = np.array([*extent[:2], -math.pi]), np.array([*extent[2:], math.pi])
+    shares = (poses - low) / (high - low)
+    scaled = (shares - shares.mean(axis=0)) / np.maximum(shares.std(axis=0), 1e-9)
+    related = (scaled * np.roll(scaled, 1, axis=1)).mean(axis=0)
+    serial = (scaled[1:, :2] * scaled[:-1, :2]).mean(axis=0)
+    parts = np.clip((shares * CORNERS).astype(int), 0, CORNERS - 1)
+    counts = np.bincount(parts @ [CORNERS**2, CORNERS, 1], minlength=CORNERS**3)
+    emptiest = counts.min() * CORNERS**3 / len(poses)
+    return np.concatenate([shares.mean(axis=0), shares.std(axis=0), related, serial, [emptiest]])
+
+
+def expected(case: Case, mistakes: frozenset[str]) -> Array:
+    """What functions with mistakes give."""
+    if case.function == "estimate":
+        return pose_features(_mean(case.arguments[0], case.arguments[1], mistakes))
+    if case.kind == "seeds":
+        return np.zeros(1)
+    even = [0.5] * 3 + [12**-0.5] * 3 + [0.0] * 5 + [0.65]
+    drawn = _spread(case.arguments[0], mistakes)
+    return np.array(even) if drawn is None else _evenness(drawn, case.arguments[0])
+
+
+def _spread(extent: Array, mistakes: frozenset[str]) -> Array | None:
+    """Return particles that lie as a mistake puts them; None without one."""
+    left, bottom, right, top = extent
+    rng = np.random.default_rng(1)
+    low, high = [left, bottom, -math.pi], [right, top, math.pi]
+    if "from-zero" in mistakes:
+        low[:2] = [0.0, 0.0]
+    if "size-from-zero" in mistakes:
+        low[:2], high[:2] = [0.0, 0.0], [right - left, top - bottom]
+    if "half-circle" in mistakes:
+        low[2] = 0.0
+    if "heading-small" in mistakes:
+        low[2], high[2] = -1.0, 1.0
+    if "heading-zero" in mistakes:
+        low[2] = high[2] = 0.0
+    if "right-as-width" in mistakes:
+        high[:2] = [left + right, bottom + top]
+    if "pairs" in mistakes:
+        low[:2], high[:2] = [left, right], [bottom, top]
+    shares = rng.random((COUNT, 3))
+    if "diagonal" in mistakes:
+        shares[:, 1] = shares[:, 0]
+    return low + shares * np.subtract(high, low) if mistakes & STARTS else None
+
+
+def _mean(poses: Array, weights: Array, mistakes: frozenset[str]) -> Array:
+    heaviest = weights.argmin() if "lightest" in mistakes else weights.argmax()
+    best = poses[0 if "first" in mistakes else heaviest]
+    offsets = poses - best
+    if "not-wrapped" not in mistakes:
+        offsets[:, 2] = wrap_angle(offsets[:, 2])
+    near = np.hypot(offsets[:, 0], offsets[:, 1]) < NEAR_M
+    if "headings-apart" not in mistakes:
+        turns = offsets[:, 2] if "one-way" in mistakes else np.abs(offsets[:, 2])
+        near &= turns < NEAR_RAD
+    if "all" in mistakes:
+        near[:] = True
+    if "best" in mistakes:
+        return np.array(best)
+    share = near if "unweighted" in mistakes else weights * near
+    share = share if "not-shared" in mistakes else share / share.sum()
+    if "plain-mean" in mistakes:
+        mean: Array = share @ poses
+        return mean
+    toward = share @ np.exp(1j * poses[:, 2])
+    if "swapped" in mistakes:
+        toward = toward.imag + 1j * toward.real
+    return np.array([*(share @ poses[:, :2]), math.atan2(toward.imag, toward.real)])
+
+
+def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
+    """What shows by itself: headings out of range, a mean of headings, the generator."""
+    for outcome in outcomes:
+        if outcome.case.function == "estimate":
+            yield from heading_sign(outcome, array_of(outcome.result, (3,))[None])
+        else:
+            yield from heading_sign(outcome, np.asarray(outcome.result))
+        if outcome.case.kind == "seeds":
+            starts = [np.asarray(answer.result) for answer in outcome.answers]
+            yield from generator_signs(outcome, starts)
+    for outcome in outcomes:
+        if outcome.case.kind == "around":
+            given, due = features(outcome), expected(outcome.case, frozenset())
+            if given[2] * due[2] + given[3] * due[3] < 0.5:
+                yield Sign("E1", outcome)
+
+
+def show(case: Case, values: Array) -> str:
+    """Return an estimate, or where particles lie, in words."""
+    if case.function == "estimate":
+        heading = math.atan2(values[3], values[2])
+        return f"x {values[0]:.3f} m, y {values[1]:.3f} m, {heading:.2f} rad"
+    left, bottom, right, top = case.arguments[0]
+    x, y = left + values[0] * (right - left), bottom + values[1] * (top - bottom)
+    heading = (values[2] - 0.5) * 2 * math.pi
+    spread = [values[3] * (right - left), values[4] * (top - bottom), values[5] * 2 * math.pi]
+    return (
+        f"x {x:.2f} ± {spread[0]:.2f} m, y {y:.2f} ± {spread[1]:.2f} m, "
+        f"{heading:.2f} ± {spread[2]:.2f} rad"
+    )
+
+
+def picture(outcome: Outcome, due: Array, given: Array) -> str:
+    """Draw the particles, and of an estimate where it is due and given."""
+    if outcome.case.function == "init":
+        rng = np.random.default_rng(0)
+        left, bottom, right, top = outcome.case.arguments[0]
+        even = rng.uniform([left, bottom], [right, top], (150, 2))
+        return draw_clouds({"due": even, "given": np.asarray(outcome.result)[:150]})
+    poses, _ = outcome.case.arguments
+    drawing = Drawing(np.concatenate([poses[:, :2], due[None, :2], given[None, :2]]))
+    for pose in headings_apart(poses):
+        drawing.arrow(pose, "start")
+    drawing.arrow(due, "due", "due")
+    drawing.arrow(given, "given", "your code")
+    return str(drawing)
+
+
+CHECKS = Checks(
+    functions=("init", "estimate"),
+    cases=cases,
+    features=features,
+    expected=expected,
+    hypotheses=(
+        Hypothesis("plain-mean", "E1", kind="around"),
+        Hypothesis("not-wrapped", "E2", kind="around"),
+        Hypothesis("all", "middle", kind="places"),
+        Hypothesis("headings-apart", "middle", kind="places"),
+        Hypothesis("one-way", "middle"),
+        Hypothesis("best", "best-only"),
+        Hypothesis("lightest", "heaviest"),
+        Hypothesis("first", "heaviest"),
+        Hypothesis("not-shared", "shares"),
+        Hypothesis("swapped", "arctan"),
+        Hypothesis("right-as-width", "field-size", STARTS),
+        Hypothesis("pairs", "field-size", STARTS),
+        Hypothesis("diagonal", "diagonal", STARTS),
+        Hypothesis("unweighted", "weights-ignored"),
+        Hypothesis("from-zero", "S5", STARTS),
+        Hypothesis("size-from-zero", "S5", STARTS),
+        Hypothesis("half-circle", "half-circle", STARTS),
+        Hypothesis("heading-small", "half-circle", STARTS),
+        Hypothesis("heading-zero", "half-circle", STARTS),
+    ),
+    signs=signs,
+    show=show,
+    picture=picture,
+)

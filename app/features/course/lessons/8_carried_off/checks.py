@@ -1,0 +1,264 @@
+"""Lesson 8: ``inject(poses, fit, memory, anywhere, rng)`` puts new particles where the fit fell."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from types import SimpleNamespace
+
+import numpy as np
+
+from app.features.course.grader.case import (
+    REFERENCE,
+    Ask,
+    Case,
+    Checks,
+    FormError,
+    Hypothesis,
+    Outcome,
+    Sign,
+)
+from app.features.course.grader.drawing import draw_bars
+from app.features.course.grader.forms import array_of, generator_signs
+from app.features.course.grader.small_world import SmallWorld
+from app.features.course.grader.words import Words
+from robot.geometry import Array
+
+SLOW, FAST = 0.05, 0.5
+"""Shares of the newest fit that the two memories take."""
+COUNT = 3000
+LIKELY = 6.0
+AWAY = 100.0
+"""Where new particles are put in single calls, so that they can be told [m]."""
+FITS = (
+    ("steady", "The fit is as it always was: 0.8.", 0.8, 0.8, 0.8),
+    ("worse", "The fit falls from 0.8 to 0.2.", 0.2, 0.8, 0.8),
+    ("worse", "The fit has been low for a while: 0.1.", 0.1, 0.7, 0.25),
+    ("worse", "The fit falls to nothing.", 0.0, 0.9, 0.9),
+    ("better", "The fit rises from 0.3 to 0.9.", 0.9, 0.3, 0.35),
+)
+"""Fit, and the memories before: slow, fast."""
+RUNS, BEFORE, AFTER, PARTICLES = 20, 6, 20, 250
+NEAR_M = 0.15
+RULES = ("either-way", "upside-down", "difference", "newest")
+SHARES = {"never": 0.0, "always": 0.1, "all": 1.0}
+ONE_PLACE = Words("All particles that are new are the same one.")
+ALL, PLACES = (
+    frozenset([*SHARES, *RULES, "all-if-any", "other-ratio", "old-memory", "fit-alone"]),
+    frozenset(["first-ones", "last-ones"]),
+)
+
+
+def cases(seed: int) -> list[Case]:
+    """Single calls whose share is known, then robots that are carried off."""
+    made = [_call(fit, seed + 10 * index) for index, fit in enumerate(FITS)]
+    words = Words("Twice with the same generator's seed, then with another.")
+    seeds = (seed, seed, seed + 1)
+    made.append(_asked(words, "seeds", (0.2, 0.8, 0.5), 40, seeds, np.inf))
+    made.append(_carried(seed))
+    return made
+
+
+def _call(fit: tuple[str, str, float, float, float], seed: int) -> Case:
+    kind, text, *memory = fit
+    words = Words("{text} {count} particles.", {"text": Words(text), "count": COUNT})
+    share = LIKELY * math.sqrt(0.25 / COUNT)
+    tolerance = np.array([share if kind == "worse" else 1e-9, 1e-9, 1e-9, 3 * share, 0.5])
+    fit_slow_fast = (memory[0], memory[1], memory[2])
+    return _asked(words, kind, fit_slow_fast, COUNT, (seed,), tolerance)
+
+
+def _asked(
+    words: Words,
+    kind: str,
+    memory: tuple[float, float, float],
+    count: int,
+    seeds: tuple[int, ...],
+    tolerance: float | Array,
+) -> Case:
+    fit, slow, fast = memory
+    poses = np.column_stack([np.arange(count) / count, np.zeros(count), np.zeros(count)])
+    kept = SimpleNamespace(slow=slow, fast=fast)
+    marked = np.column_stack([AWAY + np.arange(COUNT), np.zeros((COUNT, 2))])
+    arguments = (poses, fit, kept, SimpleNamespace(supply=marked))
+    return Case("inject", arguments, words, kind, tolerance, seeds)
+
+
+def _carried(seed: int) -> Case:
+    words = Words(
+        "{runs} robots are carried off; after {rounds} rounds the cloud should be there.",
+        {"runs": RUNS, "rounds": AFTER},
+    )
+    world = SmallWorld(seed)
+
+    def play(ask: Ask) -> float:
+        return sum(_recovers(world, seed + run, ask) for run in range(RUNS)) / RUNS
+
+    return Case("inject", (), words, "carried", 0.11, play=play)
+
+
+def _recovers(world: SmallWorld, seed: int, ask: Ask) -> bool:
+    world.begin(seed)
+    poses = world.pose + world.rng.normal(0, [0.05, 0.05, 0.1], (PARTICLES, 3))
+    memory: SimpleNamespace | None = None
+    weights = np.full(PARTICLES, 1 / PARTICLES)
+    for step in range(BEFORE + AFTER):
+        if step == BEFORE:
+            world.pose = np.array([1.5, 0.9, -2.0])
+        poses = world.motion(poses, world.drive())
+        fits = world.log_weight(poses, world.measure())
+        weights = np.exp(fits - fits.max())
+        fit = float(np.exp(fits / 8).mean())
+        poses, _ = world.resample(poses, weights)
+        memory = memory or SimpleNamespace(slow=fit, fast=fit)
+        anywhere = SimpleNamespace(supply=world.anywhere(PARTICLES))
+        answer = ask(poses, fit, memory, anywhere, seed=seed + 1000 * step)
+        poses = array_of(answer.result, poses.shape)
+        memory = _memory(answer.after)
+    middle = np.median(poses[:, :2], axis=0)
+    return bool(np.hypot(*(middle - world.pose[:2])) < NEAR_M)
+
+
+def _memory(after: Sequence[object]) -> SimpleNamespace:
+    for value in after:
+        if isinstance(value, SimpleNamespace):
+            slow, fast = getattr(value, "slow", None), getattr(value, "fast", None)
+            if isinstance(slow, int | float) and isinstance(fast, int | float):
+                return SimpleNamespace(slow=float(slow), fast=float(fast))
+    raise FormError("memory.slow and memory.fast have to stay numbers.")
+
+
+def features(outcome: Outcome) -> Array:
+    """Share of new particles, both memories, where the new ones are, how many are lost."""
+    case = outcome.case
+    if case.kind == "carried":
+        return np.array([outcome.result])
+    given = array_of(outcome.result, case.arguments[0].shape)
+    memory = _memory(outcome.answers[0].after)
+    new = given[:, 0] >= AWAY
+    place = np.flatnonzero(new).mean() / len(new) if new.any() else 0.5
+    lost = (~new & (np.abs(given - case.arguments[0]).max(axis=1) > 1e-9)).sum()
+    return np.array([new.mean(), memory.slow, memory.fast, place, lost])
+
+
+def expected(case: Case, mistakes: frozenset[str]) -> Array:
+    """What formulas with mistakes give."""
+    if case.kind == "carried":
+        return np.ones(1)
+    _, fit, memory, _ = case.arguments
+    slow_rate, fast_rate = (FAST, SLOW) if "rates-swapped" in mistakes else (SLOW, FAST)
+    slow = memory.slow + slow_rate * (fit - memory.slow)
+    fast = memory.fast + fast_rate * (fit - memory.fast)
+    if "old-memory" in mistakes:
+        share = 1 - memory.fast / memory.slow
+    elif "other-ratio" in mistakes:
+        share = 1 - slow / fast if fast else 0.0
+    elif "fit-alone" in mistakes:
+        share = 1 - fit
+    else:
+        share = 1 - fast / slow
+    share = _otherwise(share, slow, fast, fit, mistakes)
+    share = next((rule for name, rule in SHARES.items() if name in mistakes), share)
+    kept = (memory.slow, memory.fast) if "memory-kept" in mistakes else (slow, fast)
+    share = float(np.clip(share, 0.0, 1.0))
+    place = 0.5
+    if "first-ones" in mistakes and share > 0:
+        place = share / 2
+    if "last-ones" in mistakes and share > 0:
+        place = 1 - share / 2
+    return np.array([share, *kept, place, 0.0])
+
+
+def _otherwise(
+    share: float, slow: float, fast: float, fit: float, mistakes: frozenset[str]
+) -> float:
+    """Return the share by another rule, if it is a mistake of these."""
+    rules = {
+        "either-way": abs(share),
+        "upside-down": 1 - share,
+        "difference": slow - fast,
+        "newest": 1 - fit / slow,
+        "all-if-any": float(share > 0),
+    }
+    return next((rule for name, rule in rules.items() if name in mistakes), share)
+
+
+def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
+    """What shows by itself: particles that change though they stay, and the generator."""
+    for outcome in outcomes:
+        if outcome.case.kind == "carried":
+            continue
+        values = features(outcome)
+        if values[4] > 0:
+            yield Sign("invented", outcome)
+        if outcome.case.kind == "seeds" and 0 < values[0] < 1:
+            yield from generator_signs(
+                outcome, [np.asarray(answer.result) for answer in outcome.answers]
+            )
+    worse = [item for item in outcomes if item.case.kind == "worse"]
+    shares = [features(item)[0] for item in worse]
+    if shares and set(shares) <= {0.0, 1.0} and any(shares):
+        yield Sign("all-new", worse[shares.index(1.0)])
+    for item in worse:
+        places = np.asarray(item.result)[:, 0]
+        if (places >= AWAY).sum() > 1 and np.ptp(places[places >= AWAY]) == 0:
+            yield Sign("one-place", item, apart=True, note=ONE_PLACE)
+            break
+    memories = [item for item in outcomes if item.case.kind not in ("carried", "seeds")]
+    wrong = [item for item in memories if not _remembers(item, REFERENCE)]
+    if wrong:
+        swapped = all(_remembers(item, frozenset(["rates-swapped"])) for item in memories)
+        yield Sign("rates" if swapped else "memory", wrong[0])
+        return
+    fine = [item for item in memories if item.case.kind != "worse"]
+    yield from (Sign("ratio", item) for item in fine if features(item)[0] > 0)
+
+
+def _remembers(outcome: Outcome, mistakes: frozenset[str]) -> bool:
+    """Return whether both memories are what they are with some mistakes."""
+    apart = features(outcome)[1:3] - expected(outcome.case, mistakes)[1:3]
+    return bool(np.abs(apart).max() <= 1e-9)
+
+
+def show(case: Case, values: Array) -> str:
+    """Return the share of new particles and the memories in words."""
+    if case.kind == "carried":
+        return f"{round(RUNS * values[0])}/{RUNS}"
+    return f"{100 * values[0]:.0f} %, slow {values[1]:.3f}, fast {values[2]:.3f}"
+
+
+def picture(outcome: Outcome, due: Array, given: Array) -> str:
+    """Draw the share of new particles and both memories."""
+    if outcome.case.kind == "carried":
+        return ""
+    return draw_bars(due[:3], given[:3], ["new", "slow", "fast"])
+
+
+def situation(_case: Case) -> dict[str, float]:
+    """A robot that was carried off, and the cloud where it was."""
+    return {"x": 0.25, "y": 0.25, "theta": 2, "guess_x": 0, "guess_y": 0, "guess_theta": 0}
+
+
+CHECKS = Checks(
+    functions=("inject",),
+    cases=cases,
+    features=features,
+    expected=expected,
+    hypotheses=(
+        Hypothesis("never", "no-injection", ALL),
+        Hypothesis("other-ratio", "ratio", ALL),
+        Hypothesis("fit-alone", "ratio", ALL),
+        *(Hypothesis(name, "ratio", ALL) for name in RULES),
+        Hypothesis("old-memory", "memory", ALL),
+        Hypothesis("memory-kept", "memory"),
+        Hypothesis("rates-swapped", "rates"),
+        Hypothesis("all", "all-new", ALL),
+        Hypothesis("all-if-any", "all-new", ALL),
+        Hypothesis("first-ones", "same-places", PLACES),
+        Hypothesis("last-ones", "same-places", PLACES),
+    ),
+    signs=signs,
+    show=show,
+    picture=picture,
+    situation=situation,
+)

@@ -1,0 +1,215 @@
+"""``brickpose calibrate drive``: measures a robot from a drive, and writes its profile."""
+
+from __future__ import annotations
+
+import math
+import sys
+from argparse import Namespace
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from app.console import say
+from app.engine.build import build_program
+from app.engine.program import Program
+from app.engine.robots import robot_kind
+from app.features.lab.calibrate.calibrated_robot import CalibratedRobot
+from app.features.lab.calibrate.drive_report import drive_report
+from app.features.lab.unknown_lines import unknown_lines
+from app.features.recordings.replay.opening import ReplayOptions, open_replay
+from app.files import atomic_file, require_writable
+from app.messages.commands import PauseCommand
+from app.messages.driving_commands import DriveCommand
+from app.options import config_from
+from app.settings.config import AUTO, Config
+from app.settings.profiles import NONE, own_profile, profile_before, write_profile
+from robot.calibration.adjustment import CalibrationError, Solution
+from robot.calibration.calibrate import SHORTEST_S, START_COVARIANCE, Calibration, calibrate
+from robot.calibration.drive_log import DriveRecorder
+from robot.calibration.programme import USUAL_S, velocity
+from robot.description.lens_table import MeasuredLens
+from robot.description.spec import RobotSpec
+from robot.description.unknowns import ROBOT, UNKNOWNS
+from robot.fields.field import Field
+from robot.geometry import Pose2
+from robot.interface import Reading, RobotError
+from robot.settings import SettingError
+
+LONGEST_S = 600.0
+"""Longest duration of a drive [s]."""
+OUT = Path("profile.toml")
+Report = Callable[[float, Solution], None]
+LIVE_ONLY = ("robot", "condition", "seed", "serial_port", "camera")
+"""Options that have no effect with a recording."""
+
+
+def calibrate_drive(given: dict[str, Any]) -> int:
+    """Run the command with its options by name; return 0.
+
+    Raises:
+        CalibrationError: the drive does not determine the unknowns; nothing is written.
+        SettingError, FieldError, RecordingError, OSError: says what cannot be used.
+    """
+    seconds = given.pop("seconds", USUAL_S)
+    if not SHORTEST_S <= seconds <= LONGEST_S:
+        raise SettingError(f"--seconds is {seconds:g}; valid is {SHORTEST_S:g} to {LONGEST_S:g}")
+    out, start = given.pop("out", None), given.pop("start", None)
+    if out is None:
+        real = not robot_kind(Config(robot=given.get("robot", AUTO))).is_simulated
+        out = own_profile(RobotSpec.load().name) if real else OUT
+    pose = None if start is None else Pose2(*start)
+    page = given.pop("report", out.with_suffix(".html"))
+    require_writable(out, page)
+    lens = profile_before(out, RobotSpec.load()).lens
+    recording = given.pop("recording", None)
+    report = _show if sys.stderr.isatty() else _silent
+    if recording is None:
+        config = config_from(Namespace(**given))
+        result = calibrate_by_driving(config, seconds, pose, report, lens)
+    else:
+        for name in LIVE_ONLY:
+            if name in given:
+                option = "--" + name.replace("_", "-")
+                raise SettingError(f"{option} has no effect with a recording")
+        result = calibrate_recording(recording, given.get("map"), seconds, pose, report, lens)
+    for line in lines_of(result.calibration):
+        say(line)
+    profile_before(out, result.spec)
+    write_profile(out, result.profile)
+    with atomic_file(page) as new:
+        new.write_text(drive_report(result), encoding="utf-8")
+    say(f"the profile is {out}, a report in {page}; use it by: brickpose run --profile {out}")
+    return 0
+
+
+def _silent(seconds: float, solution: Solution) -> None:
+    """Show nothing, because the output is not a terminal."""
+
+
+def _show(seconds: float, solution: Solution) -> None:
+    sd = np.sqrt(np.diag(solution.covariance))[:ROBOT]
+    cells = []
+    for unknown, each in zip(UNKNOWNS, sd, strict=False):
+        name = unknown.name.removeprefix("camera_")
+        cells.append(f"{name} {1.96 * unknown.scale * each:.2g} {unknown.unit}")
+    sys.stderr.write(f"{seconds:4.0f} s, +- (95 %): {', '.join(cells)}\n")
+    sys.stderr.flush()
+
+
+def calibrate_by_driving(
+    config: Config,
+    seconds: float,
+    start: Pose2 | None,
+    report: Report = _silent,
+    lens: MeasuredLens | None = None,
+) -> CalibratedRobot:
+    """Drive the calibration's programme with a robot, and adjust the drive.
+
+    Raises:
+        CalibrationError: the robot has a fault, or the drive does not determine the unknowns.
+        SpecError: the lens is for pictures of another size.
+    """
+    # An earlier profile would hide what is measured.
+    config = replace(config, profile=NONE)
+    program = build_program(config)
+    try:
+        program.field.require_inside(start or program.field.start)
+        spec = _seen_through(lens, program.robot.spec)
+        recorder = DriveRecorder(spec, config.scanner, program.field.tape)
+        for reading in _driven(program, seconds):
+            recorder.add(reading)
+    finally:
+        program.robot.close()
+    source = f"{seconds:g} s of driving on {program.field.name}"
+    result = _adjusted(recorder, spec, program.field, start, source, report)
+    return replace(result, lens=lens)
+
+
+def _seen_through(lens: MeasuredLens | None, spec: RobotSpec) -> RobotSpec:
+    return spec if lens is None else lens.applied_to(spec)
+
+
+def _driven(program: Program, seconds: float) -> Iterator[Reading]:
+    """Yield the readings of a robot that drives the programme."""
+    engine = program.engine
+    engine.commands.put(PauseCommand(type="pause"))
+    began: float | None = None
+    while True:
+        reading = engine.step().reading
+        began = reading.stamp if began is None else began
+        elapsed = reading.stamp - began
+        if reading.faults:
+            raise CalibrationError(f"the robot stopped: {reading.faults[0]}")
+        if elapsed >= seconds:
+            return
+        yield reading
+        wanted = velocity(elapsed)
+        engine.commands.put(DriveCommand(type="drive", v=wanted.v, omega=wanted.omega))
+
+
+def calibrate_recording(
+    path: Path,
+    map_name: str | None,
+    seconds: float,
+    start: Pose2 | None,
+    report: Report = _silent,
+    lens: MeasuredLens | None = None,
+) -> CalibratedRobot:
+    """Adjust the beginning of a recorded drive.
+
+    Raises:
+        RecordingError: the file cannot be used.
+        CalibrationError: the drive does not determine the unknowns.
+    """
+    program = open_replay(path, ReplayOptions(map=map_name))
+    first: float | None = None
+    try:
+        program.field.require_inside(start or program.field.start)
+        spec = _seen_through(lens, program.robot.spec.as_drawn)
+        recorder = DriveRecorder(spec, program.config.scanner, program.field.tape)
+        while True:
+            reading = program.robot.read()
+            first = reading.stamp if first is None else first
+            if reading.stamp - first >= seconds:
+                break
+            recorder.add(reading)
+    except RobotError:
+        pass  # the recording is over
+    finally:
+        program.robot.close()
+    source = f"the recording {path.name} on {program.field.name}"
+    result = _adjusted(recorder, spec, program.field, start, source, report)
+    return replace(result, lens=lens)
+
+
+def _adjusted(
+    recorder: DriveRecorder,
+    spec: RobotSpec,
+    field: Field,
+    start: Pose2 | None,
+    source: str,
+    report: Report,
+) -> CalibratedRobot:
+    if field.tape_width is None:
+        raise CalibrationError(f"the field {field.name} is not of tape")
+    begin = start or field.start
+    log = recorder.log
+    result = calibrate(log, spec, field, begin, START_COVARIANCE, report)
+    return CalibratedRobot(spec, result, field, log.stamps, source)
+
+
+def lines_of(calibration: Calibration) -> list[str]:
+    """Return the report, with a line for each unknown."""
+    lines = unknown_lines(calibration.values, calibration.sd, calibration.not_learnt)
+    lines.append(f"the edges lie {calibration.residual:.2f} times as far off as expected")
+    millimetres = 1.96 * 1e3 * calibration.position_sd
+    if not math.isnan(millimetres):
+        lines.append(
+            f"all of this makes the robot's place uncertain by {millimetres:.2f} mm (95 %)"
+        )
+    lines += calibration.remarks
+    lines += [f"to learn more: {motion}" for motion in calibration.advice]
+    return lines

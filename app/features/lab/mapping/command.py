@@ -1,0 +1,126 @@
+"""``brickpose map``: draws the tape of a floor from a recorded drive."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from datetime import UTC, datetime
+from pathlib import Path
+
+import numpy as np
+
+from app.console import say
+from app.features.lab.mapping.map_report import map_report
+from app.features.lab.unknown_lines import unknown_lines
+from app.features.mapping.map_files import write_map
+from app.features.recordings.replay.opening import ReplayOptions, open_replay
+from app.files import atomic_file, require_writable
+from app.settings.profiles import profile_before, write_profile
+from robot.calibration.drive_log import DriveLog, DriveRecorder
+from robot.description.profile import Profile
+from robot.description.spec import RobotSpec
+from robot.description.unknowns import ROBOT
+from robot.fields.svg_field import TAPE_MM
+from robot.geometry import Pose2
+from robot.interface import RobotError
+from robot.mapping.mapper import Mapper
+from robot.mapping.tape_map import MappingError, TapeMap
+from robot.scanning.tape import Tape
+from robot.settings import SettingError
+
+
+def map_recording(
+    recording: Path,
+    out: Path,
+    start: Sequence[float],
+    width: float,
+    report: Path | None,
+    profile: Path | None,
+) -> int:
+    """Run the command; return 0, or 1 if the map does not fit what was seen.
+
+    Args:
+        recording: the drive.
+        out: the drawing to write; the ROS map lies beside it.
+        start: where the drive begins in the map [m, m, rad].
+        width: of the tape [m].
+        report: the page to write; None is beside the drawing.
+        profile: calibrates the robot along with the map, and writes its profile; or None.
+
+    Raises:
+        MappingError, CalibrationError: the drive does not tell what the floor is like.
+        SettingError, RecordingError, OSError: says what cannot be used.
+    """
+    if out.suffix.lower() != ".svg":
+        raise SettingError(f"--out is {out}; valid is a file that ends in .svg")
+    low, high = (side / 1e3 for side in TAPE_MM)
+    if not low <= width <= high:
+        raise SettingError(f"--width is {width:g}; valid is {low:g} to {high:g}")
+    if not np.isfinite(start).all():
+        raise SettingError(f"--start is {start}; valid are finite numbers")
+    page = report or out.with_suffix(".html")
+    calibrate = profile is not None
+    require_writable(out, page, *([profile] if profile else []))
+    log, spec = read_drive(recording, width, calibrated=not calibrate)
+    if profile is not None:
+        profile_before(profile, spec)  # another robot's is not overwritten
+    mapper = Mapper(log, spec, width, Pose2(*start), calibrate=calibrate)
+    drawn = mapper.run(_show if sys.stderr.isatty() else _silent)
+    write_map(drawn, out, f"Drawn from {recording.name}")
+    with atomic_file(page) as new:
+        new.write_text(map_report(drawn, recording.name), encoding="utf-8")
+    for line in [*drawn.facts, *drawn.remarks]:
+        say(line)
+    options = f"--map {out}"
+    if profile is not None:
+        measured = profile_of_map(drawn, spec, f"a map from {recording.name}")
+        write_profile(profile, measured)
+        for line in unknown_lines(measured.values, measured.sd):
+            say(line)
+        options += f" --profile {profile}"
+    say(f"the map is {out}, a report in {page}; use it by: brickpose run {options}")
+    return 0 if drawn.fits else 1
+
+
+def profile_of_map(drawn: TapeMap, spec: RobotSpec, source: str) -> Profile:
+    """Return the profile of a robot that was calibrated along with a map."""
+    values = drawn.solution.state.values[:ROBOT]
+    sd = np.sqrt(np.diag(drawn.solution.covariance))[:ROBOT]
+    lens = Profile.of(spec).lens
+    return Profile(spec.name, datetime.now(UTC), source, values, sd, lens)
+
+
+def read_drive(
+    recording: Path, width: float, *, calibrated: bool = True
+) -> tuple[DriveLog, RobotSpec]:
+    """Return the drive in a recording, and its robot, with its calibration or without.
+
+    Raises:
+        RecordingError: the file cannot be used.
+        MappingError: it has no pictures.
+    """
+    program = open_replay(recording, ReplayOptions())
+    spec = program.robot.spec if calibrated else program.robot.spec.uncalibrated
+    recorder = DriveRecorder(spec, program.config.scanner, (Tape(width),), calibrated=calibrated)
+    pictures = 0
+    try:
+        while True:
+            reading = program.robot.read()
+            pictures += reading.frame is not None
+            recorder.add(reading)
+    except RobotError:
+        pass  # the recording is over
+    finally:
+        program.robot.close()
+    if not pictures:
+        raise MappingError(f"{recording} has no pictures; a map needs them, and the wheels' turns")
+    return recorder.log, spec
+
+
+def _silent(seconds: float) -> None:
+    """Show nothing: the output is no terminal."""
+
+
+def _show(seconds: float) -> None:
+    sys.stderr.write(f"\r{seconds:4.0f} s of the drive are mapped")
+    sys.stderr.flush()

@@ -1,0 +1,89 @@
+"""``brickpose map`` with an occupancy grid: of tape, or of the walls that a laser saw."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Iterable
+from pathlib import Path
+
+import numpy as np
+
+from app.console import say
+from app.features.lab.mapping.looks import Observation, pictures, scans
+from app.files import require_writable
+from app.trajectories.trajectory import Trajectory
+from app.trajectories.tum_file import write_tum
+from robot.fields.grid_map import save_map_yaml
+from robot.geometry import Pose2
+from robot.mapping.graph.graph_slam import GraphSettings, GraphSlam
+from robot.mapping.grid.cell_mapper import CellMapper
+from robot.mapping.grid.fast_slam import FEWEST_MET, TAPE, WALLS, FastSlam
+from robot.mapping.tape_map import MappingError
+from robot.settings import SettingError
+
+WITHIN_95 = 2.45
+"""Deviations of a place in the plane that 95 % lie within."""
+
+
+def map_in_cells(parsed: argparse.Namespace, method: str, *, laser: bool) -> int:
+    """Draw a ROS map, and the robot's path; return 0.
+
+    Args:
+        parsed: the command line.
+        method: graph, or grid for particles.
+        laser: whether a laser saw walls, and not a camera tape.
+
+    Raises:
+        MappingError, BagError, SettingError, RecordingError, OSError: says what cannot be used.
+    """
+    out: Path = parsed.out
+    if out.suffix.lower() != ".yaml":
+        raise SettingError(f"--out is {out}; valid is a file that ends in .yaml, for a ROS map")
+    path = out.with_suffix(".tum")
+    require_writable(out, path)
+    mapper, looks = _mapper(parsed, method, laser), (scans if laser else pictures)(parsed)
+    stamps = _draw(mapper, looks)
+    grid = mapper.grid
+    save_map_yaml(grid, out)
+    write_tum(path, Trajectory.of_poses(np.array(stamps), mapper.path, out.stem))
+    metres = np.hypot(*np.diff(mapper.path[:, :2], axis=0).T).sum()
+    walls = np.count_nonzero(grid.occupied)
+    say(f"{len(stamps)} looks along {metres:.1f} m, {walls} cells of {grid.resolution:g} m")
+    if isinstance(mapper, GraphSlam):
+        say(certainty(mapper, stamps))
+    say(f"the map is {out}, the robot's path {path}")
+    return 0
+
+
+def certainty(slam: GraphSlam, stamps: list[float]) -> str:
+    """Return a line that says how certain a path is, and where least."""
+    sd = slam.position_sd()
+    worst = int(np.argmax(sd))
+    seconds = stamps[worst] - stamps[0]
+    where = f"{WITHIN_95 * sd[worst]:.2f} m (95 %), {seconds:.0f} s after the start"
+    if not slam.loops:
+        return f"no loop was closed; the path may be off by {where}"
+    return f"{slam.loops} matches closed loops; the path is known to {where}, and better elsewhere"
+
+
+def _mapper(parsed: argparse.Namespace, method: str, laser: bool) -> CellMapper:
+    start = Pose2(*parsed.start)
+    if method == "graph":
+        return GraphSlam(GraphSettings(), start)
+    return FastSlam(WALLS if laser else TAPE, start, np.random.default_rng(parsed.seed))
+
+
+def _draw(mapper: CellMapper, looks: Iterable[Observation]) -> list[float]:
+    """Draw all looks, and return their stamps [s]."""
+    stamps, has_met = [], False
+    for stamp, moved, beams in looks:
+        mapper.update(moved, beams)
+        stamps.append(stamp)
+        has_met |= bool(np.count_nonzero(beams.hit) >= FEWEST_MET)
+        if sys.stderr.isatty():
+            sys.stderr.write(f"\r{len(stamps)} looks are drawn")
+    if len(stamps) < 2 or not has_met:
+        raise MappingError("nothing was met on the way; a map needs a drive with walls or tape")
+    mapper.finish()
+    return stamps

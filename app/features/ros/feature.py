@@ -1,0 +1,22 @@
+"""What ROS adds: topics, services and parameters by rosbridge, Foxglove and DDS, and exports."""
+
+from app.feature import Feature, Late, RunOptions, Subcommand
+
+FEATURE = Feature(
+    name="ros",
+    about="the robot as ROS 2 sees it: rosbridge, Foxglove, DDS, and files for Nav2",
+    subcommands=(
+        Subcommand(
+            "export",
+            "files for other programs: ROS 2",
+            Late("app.features.ros.export.options:add_export"),
+        ),
+    ),
+    run_options=(
+        RunOptions(
+            Late("app.features.ros.run_options:add"), Late("app.features.ros.run_options:apply")
+        ),
+    ),
+    guests=(Late("app.features.ros.guests:guests"),),
+    outlet=Late("app.features.ros.outlet:RosOutlet"),
+)

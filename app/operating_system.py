@@ -1,0 +1,133 @@
+"""What differs between Linux, macOS and Windows: limits, processes, addresses.
+
+The rest of the program asks here, and needs no condition of its own. Three things are elsewhere:
+the user's folders (``robot/user_folders.py``), how a student's file is fenced
+(``app/features/course/sandbox``), and how bytes pass a serial port (``robot/hat/wire``).
+"""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import signal
+import socket
+import sys
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+MOST_DESCRIPTORS = 4096
+"""The limit of descriptors is raised to this, if the system allows it."""
+SELECTED = 512
+"""Most sockets that Windows' ``select`` takes, on which the server's event loop is built there."""
+
+MOST_ARENAS = -8
+"""glibc's M_ARENA_MAX."""
+
+PATIENCE_S = 2.0
+"""How long a file may be in use by another program that replaces or reads it [s]."""
+LOOK_S = 0.02
+
+BELOW_NORMAL = 0x4000
+"""Windows' class of priority for work that others come before."""
+NEW_GROUP = 0x200
+"""Windows' flag for a new process that Ctrl-C does not reach."""
+
+
+def windows_kernel() -> Any:
+    """Return Windows' own library; other systems have no ``WinDLL``."""
+    return vars(ctypes)["WinDLL"]("kernel32", use_last_error=True)
+
+
+def share_freed_memory() -> None:
+    """Let all threads take memory from one arena; call it before there are others.
+
+    By default, glibc gives threads arenas of their own, and what one frees, another cannot have:
+    with pictures and messages that one thread makes and another drops, a program took 23 MB more,
+    and 5 MB more in half an hour of trouble (``brickpose bench soak``). Other systems have none.
+    """
+    if sys.platform == "linux":
+        set_option = getattr(ctypes.CDLL(None), "mallopt", None)  # musl has none
+        if set_option is not None:
+            set_option(MOST_ARENAS, 1)
+
+
+def raise_descriptors() -> int:
+    """Raise the limit of open descriptors as far as the system allows; return it."""
+    if sys.platform == "win32":
+        return SELECTED
+    import resource  # noqa: PLC0415 - not on Windows
+
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    most = MOST_DESCRIPTORS if hard == resource.RLIM_INFINITY else min(hard, MOST_DESCRIPTORS)
+    if soft == resource.RLIM_INFINITY or soft >= most:
+        return most if soft == resource.RLIM_INFINITY else soft
+    resource.setrlimit(resource.RLIMIT_NOFILE, (most, hard))
+    return most
+
+
+def claim_address(listening: socket.socket) -> None:
+    """Let a socket have an address that a program has just left, but none that one still has."""
+    if sys.platform == "win32":
+        # SO_REUSEADDR would let two programs listen at one address there.
+        listening.setsockopt(socket.SOL_SOCKET, socket.SO_EXCLUSIVEADDRUSE, 1)
+    else:
+        listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+
+
+def own_group() -> Mapping[str, Any]:
+    """Return arguments of ``Popen`` for a process that Ctrl-C on the terminal does not reach."""
+    if sys.platform == "win32":
+        return {"creationflags": NEW_GROUP}
+    return {"start_new_session": True}
+
+
+@contextmanager
+def children_deaf_to_ctrl_c() -> Iterator[None]:
+    """Start processes in this block that Ctrl-C does not reach, also while they begin."""
+    if sys.platform == "win32":
+        kernel = windows_kernel()
+        kernel.SetConsoleCtrlHandler(None, 1)
+        try:
+            yield
+        finally:
+            kernel.SetConsoleCtrlHandler(None, 0)
+    else:
+        signal.pthread_sigmask(signal.SIG_BLOCK, (signal.SIGINT,))
+        try:
+            yield
+        finally:
+            signal.pthread_sigmask(signal.SIG_UNBLOCK, (signal.SIGINT,))
+
+
+def give_way(niceness: int) -> None:
+    """Let this process work only with what other programs leave it; Windows has one step of it."""
+    if sys.platform == "win32":
+        kernel = windows_kernel()
+        kernel.GetCurrentProcess.restype = ctypes.c_void_p
+        kernel.SetPriorityClass.argtypes = (ctypes.c_void_p, ctypes.c_uint32)
+        kernel.SetPriorityClass(kernel.GetCurrentProcess(), BELOW_NORMAL)
+    else:
+        os.setpriority(os.PRIO_PROCESS, 0, niceness)
+
+
+def replace_file(new: Path, old: Path) -> None:
+    """Put a file into another's place.
+
+    Windows refuses that while any program has the old one open: a virus scanner, or our own page.
+
+    Raises:
+        OSError: it cannot be done; on Windows after ``PATIENCE_S``.
+    """
+    end = time.monotonic() + (PATIENCE_S if sys.platform == "win32" else 0.0)
+    while True:
+        try:
+            new.replace(old)
+        except PermissionError:
+            if time.monotonic() >= end:
+                raise
+            time.sleep(LOOK_S)
+        else:
+            return

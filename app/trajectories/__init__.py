@@ -1,0 +1,1 @@
+"""Trajectories, and the text file that they are written to."""

@@ -1,0 +1,1 @@
+"""How much tape the camera sees: an example of a feature of BrickPose."""

@@ -1,0 +1,90 @@
+// @ts-check
+import { find, findButton, findInput, make } from "../../page/elements.js";
+import { t } from "../../page/language.js";
+import { Popover } from "../../page/popover.js";
+import { getJson, send } from "../../wire/http.js";
+import { recordingRow } from "./row.js";
+
+/** @typedef {import("../../messages").Command} Command */
+/** @typedef {import("../../messages").RecordingEntry} RecordingEntry */
+/** @typedef {import("../../messages").ReplayMessage} ReplayMessage */
+/** @typedef {import("../../page/toasts.js").Toasts} Toasts */
+
+/** The recordings of this computer: a list to open, describe and delete; files can be dropped. */
+export class RecordingsPanel {
+  #popover = new Popover("recordings", undefined, () => this.#load());
+  #list = find("recordings-items", HTMLElement);
+  #file = findInput("recordings-file");
+  #back = findButton("replay-end");
+
+  /** @param {(command: Command) => Promise<boolean>} order @param {Toasts} toasts */
+  constructor(order, toasts) {
+    this.order = order;
+    this.toasts = toasts;
+    this.#back.onclick = () => order({ type: "close_recording" });
+    this.#file.onchange = () => this.#take([...(this.#file.files ?? [])]);
+    addEventListener("dragover", (event) => event.preventDefault());
+    addEventListener("drop", (event) => this.#drop(event));
+  }
+
+  /** @param {ReplayMessage | null} replay */
+  show(replay) {
+    this.#back.hidden = !replay?.robot_waits;
+  }
+
+  async #load() {
+    try {
+      const entries = /** @type {RecordingEntry[]} */ (await getJson("/api/recordings"));
+      const rows = entries.map((entry) => recordingRow(entry, this));
+      const none = t("There are no recordings yet. Press Record, or drop a file onto this page.");
+      this.#list.replaceChildren(...(rows.length ? rows : [make("li", { class: "quiet" }, none)]));
+    } catch (error) {
+      this.toasts.fail(error);
+    }
+  }
+
+  /** Go on with a recording in place of the robot. @param {string} name */
+  async open(name) {
+    if (await this.order({ type: "open_recording", name })) this.#popover.show(false);
+  }
+
+  /** @param {string} name @param {{name?: string, notes?: string}} change */
+  change(name, change) {
+    return this.#ask(name, "PATCH", JSON.stringify(change), change.name !== undefined);
+  }
+
+  /** @param {string} name */
+  remove(name) {
+    return this.#ask(name, "DELETE");
+  }
+
+  /** @param {DragEvent} event */
+  #drop(event) {
+    event.preventDefault();
+    this.#take([...(event.dataTransfer?.files ?? [])]);
+  }
+
+  /** Take files into the recordings of this computer. @param {File[]} files */
+  async #take(files) {
+    if (files.length === 0) return;
+    this.#popover.show(true);
+    for (const file of files) {
+      const name = file.name.replace(/(_0)?\.mcap$/, "");
+      await this.#ask(name, "PUT", file);
+    }
+    this.#file.value = "";
+  }
+
+  /**
+   * @param {string} name @param {string} method @param {BodyInit} [body]
+   * @param {boolean} [again] whether the list is another then; rows that stay can be typed in
+   */
+  async #ask(name, method, body, again = true) {
+    try {
+      await send(`/api/recordings/${encodeURIComponent(name)}`, method, body);
+    } catch (error) {
+      this.toasts.fail(error);
+    }
+    if (again) await this.#load();
+  }
+}

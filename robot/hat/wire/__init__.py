@@ -1,0 +1,1 @@
+"""How bytes pass a serial port, by this operating system's means."""

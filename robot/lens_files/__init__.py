@@ -1,0 +1,1 @@
+"""Files of lenses, as ROS, Kalibr, OpenCV, DepthAI, COLMAP, mrcal and Metashape write them."""

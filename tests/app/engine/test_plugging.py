@@ -1,0 +1,135 @@
+"""Commands and values of features: in the engine's tables, or named as what is wrong."""
+
+import re
+from typing import Any, Literal
+
+import numpy as np
+import pytest
+from engine_runs import kinematic, run
+from places import ROOT
+
+from app.engine.build import build_on_field, build_program
+from app.engine.command_row import CommandRow
+from app.engine.commands import parse, row_of, table
+from app.engine.plugging import plug_in, plugged
+from app.engine.robot_kind import RobotKind
+from app.engine.simulated_robots import build_kinematic
+from app.engine.value import Value
+from app.engine.values import values
+from app.feature import Feature
+from app.messages.commands import PlaceCommand
+from app.messages.message import CommandMessage
+from app.settings.config import MAPS, Config
+from robot.errors import CommandError
+from robot.fields.field_loading import load_field
+
+
+class BlinkCommand(CommandMessage):
+    """A command of nobody else."""
+
+    type: Literal["blink"]
+    times: int
+
+
+class OtherStopCommand(CommandMessage):
+    """Has a type that is taken."""
+
+    type: Literal["stop"]
+
+
+@pytest.fixture(autouse=True)
+def put_back():
+    """What takes part is as it was, afterwards."""
+    before = plugged().features
+    yield
+    plug_in(before)
+
+
+def lamps(**hooks):
+    return plugged().features.adding(Feature(name="lamps", about="lamps on the robot", **hooks))
+
+
+def test_a_command_of_a_feature_is_read_and_carried_out_as_all_others():
+    row = CommandRow(BlinkCommand)
+    before = len(table())
+    assert plug_in(lamps(commands=(lambda: (row,),))).failures == ()
+    assert len(table()) == before + 1
+    assert row_of(parse('{"type": "blink", "times": 2}')) is row
+    with pytest.raises(CommandError, match=r"blink.times"):
+        parse('{"type": "blink", "times": "twice"}')
+
+
+def test_a_value_of_a_feature_is_shown_last():
+    plug_in(lamps(values=(lambda: [Value("lamps", lambda _: 3)],)))
+    assert [value.name for value in values()][-1] == "lamps"
+
+
+@pytest.mark.parametrize(
+    ("hooks", "words"),
+    [
+        ({"commands": (lambda: [CommandRow(OtherStopCommand)],)}, "for the command 'stop'"),
+        ({"commands": (lambda: [BlinkCommand],)}, "valid is a CommandRow"),
+        ({"commands": (lambda: [CommandRow(CommandMessage)],)}, "a CommandMessage with a type"),
+        ({"commands": (lambda: [CommandRow(Value)],)}, "Value is no command"),
+        ({"values": (lambda: [Value("mode", lambda _: 1)],)}, "a value 'mode' already"),
+        ({"values": (lambda: ["mode"],)}, "valid is a Value"),
+        ({"commands": (lambda: 1 / 0,)}, "ZeroDivisionError"),
+        (
+            {"commands": (lambda: [CommandRow(BlinkCommand)],), "values": (lambda: ["mode"],)},
+            "valid is a Value",
+        ),
+    ],
+)
+def test_what_cannot_be_used_is_named_and_changes_nothing(hooks, words):
+    before, shown = table(), values()
+    (failure,) = plug_in(lamps(**hooks)).failures
+    assert words in failure
+    assert "--without lamps" in failure
+    assert (table(), values()) == (before, shown)
+
+
+def test_the_companion_of_the_document_counts_pictures_without_tape():
+    document = (ROOT / "docs" / "extending.md").read_text(encoding="utf-8")
+    code: dict[str, Any] = {}
+    exec(re.search(r"```python\n(# blank/counting.py.*?)```", document, re.S)[1], code)
+    hooks = {"companions": (code["companions"],), "values": (code["values"],)}
+    blank = Feature(name="blank", about="", **hooks)
+    assert plug_in(plugged().features.adding(blank)).failures == ()
+    program = kinematic(map="square")
+    shown = run(program, 1.0)
+    right = program.field.extent[2]
+    program.engine.commands.put(PlaceCommand(type="place", x=right - 0.1, y=0.0, theta=0.0))
+    shown += run(program, 1.0)
+    scans = {one.filter.line_scan.scan.stamp: one.filter.line_scan.scan for one in shown
+             if one.filter.line_scan is not None}  # fmt: skip
+    blanks = sum(not np.isfinite(scan.ranges).any() for scan in scans.values())
+    assert 10 < blanks < len(scans)
+    (value,) = (value for value in values() if value.name == "blank_pictures")
+    assert value.shown(shown[-1]) == blanks
+
+
+class StrangersRobot:
+    """Simulated, and none of our classes: what it does is a robot's without forces."""
+
+    def __init__(self, blueprint):
+        self.field = blueprint.field
+        self._robot = build_kinematic(blueprint)
+
+    def __getattr__(self, name):
+        return getattr(self._robot, name)
+
+
+def test_another_field_builds_a_strangers_simulated_robot_anew_and_keeps_a_real_one():
+    made = (
+        RobotKind(name="wobble", about="", build=StrangersRobot, is_simulated=True),
+        RobotKind(name="real", about="", build=StrangersRobot),
+    )
+    assert plug_in(lamps(robots=(lambda: made,))).failures == ()
+    town = load_field("town", MAPS)
+    for name, anew in (("wobble", True), ("real", False)):
+        program = build_program(Config(robot=name, map="square"))
+        following = build_on_field(program, "town", town)
+        assert (following.robot is not program.robot) == anew
+        assert (following.robot.field is town) == anew
+        assert following.field is town
+        following.robot.close()

@@ -1,0 +1,44 @@
+"""The page of the core alone: it drives and localizes, and shows nothing of features left out."""
+
+from __future__ import annotations
+
+import pytest
+from browsing import PATIENCE_MS
+from playwright.sync_api import Browser, expect
+from serving import serving
+
+from app.feature_search import find_features
+
+pytestmark = [pytest.mark.browser, pytest.mark.slow]
+
+CERTAIN = "window.brickpose?.telemetry?.integrity.state === 'certain'"
+WITHOUT = [word for feature in find_features().active for word in ("--without", feature.name)]
+
+
+def test_the_core_drives_and_is_certain_and_offers_nothing_else(browser: Browser) -> None:
+    complaints: list[str] = []
+    missing: list[str] = []
+    with serving("--robot", "kinematic", *WITHOUT) as server, browser.new_context() as context:
+        context.set_default_timeout(PATIENCE_MS)
+        page = context.new_page()
+        page.on("pageerror", lambda error: complaints.append(str(error)))
+        page.on(
+            "response", lambda answer: missing.append(answer.url) if answer.status >= 400 else None
+        )
+        page.route("**/view/**", lambda route: route.fulfill(body="<p>no 3D here</p>"))
+        page.goto(server.url)
+        page.get_by_role("button", name="Figure-eight").click()
+        page.wait_for_function(CERTAIN)
+        page.keyboard.press(" ")
+        page.wait_for_function("window.brickpose.telemetry.mode === 'idle'")
+        for name in (
+            "record",
+            "recordings-open",
+            "calibration-open",
+            "mapping-open",
+            "camera-lens",
+        ):
+            expect(page.locator(f"#{name}")).to_be_hidden()
+        expect(page.locator("#toasts")).to_be_empty()
+    assert not complaints
+    assert not missing

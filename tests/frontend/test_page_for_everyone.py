@@ -1,0 +1,84 @@
+"""The page for who sees little, has large thumbs, or works by keys and numbers."""
+
+import pytest
+from browsing import opened
+from serving import serving, until
+
+pytestmark = [pytest.mark.browser, pytest.mark.slow]
+
+
+@pytest.fixture(scope="module")
+def server():
+    with serving("--robot", "kinematic", "--map", "square", "--seed", "3") as running:
+        yield running
+
+
+@pytest.fixture(scope="module")
+def page(browser, server):
+    yield from opened(browser, server, width=1280, height=720, view=False)
+
+
+def test_forced_colours_keep_every_state(browser, server):
+    for page in opened(browser, server, width=1280, height=720, view=False, forced_colors="active"):
+        colour = "e => getComputedStyle(e).backgroundColor"
+        for on, off in (
+            ("button[data-tool=look]", "[data-tool=place]"),
+            ("#plots-tabs [aria-selected=true]", "#plots-tabs [aria-selected=false]"),
+            ("#camera-rays", "#camera-profile"),
+        ):
+            assert page.locator(on).first.evaluate(colour) != page.locator(off).first.evaluate(
+                colour
+            )
+        assert page.locator("#knob").evaluate(colour) != page.locator("#joystick").evaluate(colour)
+        image = "e => getComputedStyle(e).backgroundImage"
+        assert "gradient" in page.locator("#map .swatch.truth").evaluate(image)
+
+
+def test_on_a_phone_all_targets_are_as_large_as_a_thumb(browser, server):
+    for page in opened(browser, server, width=390, height=844, view=False, has_touch=True):
+        for tab in ("Camera", "Map", "Filter"):
+            page.get_by_role("tab", name=tab).click()
+            small = page.evaluate(
+                """() => [...document.querySelectorAll('button, select, [type=range], .button')]
+                    .filter(e => e.checkVisibility() && e.getBoundingClientRect().height < 43.9)
+                    .map(e => `${e.id || e.outerHTML.slice(0, 60)} is too low`)"""
+            )
+            assert small == [], tab
+        # As low as beside a lesson, the field still has room.
+        page.set_viewport_size({"width": 390, "height": 640})
+        page.get_by_role("tab", name="Map").click()
+        field = page.locator("#map-canvas").bounding_box()
+        assert min(field["width"], field["height"]) > 150
+
+
+def test_a_skip_link_leads_to_the_map(page):
+    page.locator(".skip").first.focus()
+    page.keyboard.press("Enter")
+    assert page.evaluate("document.activeElement.id") == "map-canvas"
+
+
+def test_a_pose_is_typed_with_point_or_comma_or_refused(page, server):
+    page.locator("#numbers-toggle").click()
+    x, heading = page.locator("#pose-x"), page.locator("#pose-heading")
+    page.locator("#pose-y").fill("-10.5")
+    with server.live() as live:
+        for text, metres in (
+            ("120,5", 0.1205),
+            ("80.25", 0.08025),
+            ("\u2212 7", None),
+            ("1.000,5", None),
+        ):
+            x.fill(text)
+            valid = x.evaluate("field => field.checkValidity()")
+            assert valid == (metres is not None), text
+            page.locator("#numbers-place").click()
+            if metres is not None:
+                at = until(live, lambda now: abs(now["truth"]["x"] - metres) < 1e-6)  # noqa: B023
+                assert abs(at["truth"]["y"] + 0.0105) < 1e-6
+        x.fill("0")
+        heading.fill("400")
+        said = heading.evaluate("field => field.validationMessage")
+        assert said == "Valid is -360 to 360."
+    heading.fill("0")
+    page.locator("#home").click()
+    page.locator("#numbers-toggle").click()

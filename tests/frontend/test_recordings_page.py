@@ -1,0 +1,92 @@
+"""The list of recordings on the page: open, go back, describe, rename, delete, take in a file."""
+
+import json
+from pathlib import Path
+from urllib.request import urlopen
+
+import pytest
+from browsing import opened
+from playwright.sync_api import expect
+from serving import ask, serving, until
+
+from app.features.recordings.files.recorded import RecordingError
+from app.features.recordings.replay_command import recording_path
+
+pytestmark = [pytest.mark.browser, pytest.mark.slow]
+
+
+@pytest.fixture(scope="module")
+def server(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("recordings")
+    path = folder / "settings.toml"
+    path.write_text(f'[recording]\nfolder = "{folder}"\n')
+    with serving("--robot", "kinematic", "--map", "square", "--config", str(path)) as running:
+        with running.live() as live:
+            ask(live, type="record", on=True)
+            until(live, lambda now: now["recording"] and now["recording"]["duration_s"] > 2)
+            ask(live, type="record", on=False)
+            until(live, lambda now: not now["recording"]["running"])
+        yield running
+
+
+@pytest.fixture
+def page(browser, server):
+    yield from opened(browser, server, width=1100, height=760, view=False, locale="de-DE")
+
+
+def names(server):
+    with urlopen(f"{server.url}/api/recordings") as answer:
+        return [entry["name"] for entry in json.load(answer)]
+
+
+def test_a_recording_is_described_and_opened_and_the_robot_comes_back(page, server):
+    page.get_by_role("button", name="Aufzeichnungen").click()
+    row = page.locator("#recordings-items li").first
+    expect(row.locator("img")).to_have_js_property("complete", True)
+    assert row.locator("img").evaluate("image => image.naturalWidth") > 100
+    row.get_by_label("Notizen").fill("Kurve links")
+    row.get_by_label("Notizen").press("Enter")
+    row.get_by_label("Name").fill("erste Fahrt")
+    row.get_by_label("Name").press("Enter")
+    expect(page.locator("#toasts")).to_contain_text("ist kein Name; gültig sind")
+    row.get_by_label("Name").fill("fahrt-1")
+    row.get_by_label("Name").press("Enter")
+    expect(page.get_by_role("button", name="fahrt-1 löschen")).to_be_visible()
+    expect(row.get_by_label("Notizen")).to_have_value("Kurve links")
+    assert names(server) == ["fahrt-1"]
+    row.get_by_role("button", name="öffnen").click()
+    expect(page.locator("#replay")).to_be_visible()
+    expect(page.locator("#robot-state")).to_have_text("Wiedergabe")
+    page.get_by_role("button", name="Zurück zum Roboter").click()
+    expect(page.locator("#replay")).to_be_hidden()
+    expect(page.locator("#robot-state")).to_have_text("steht")
+
+
+def test_a_dropped_file_is_taken_in_and_can_be_deleted(page, server, tmp_path):
+    [known] = names(server)
+    with urlopen(f"{server.url}/api/recordings/{known}") as answer:
+        (tmp_path / "other_0.mcap").write_bytes(answer.read())
+    (tmp_path / "text.mcap").write_text("no recording")
+    page.get_by_role("button", name="Aufzeichnungen").click()
+    page.set_input_files("#recordings-file", [tmp_path / "text.mcap", tmp_path / "other_0.mcap"])
+    expect(page.locator("#recordings-items li")).to_have_count(2)
+    expect(page.locator("#toasts")).to_contain_text("gültig ist eine MCAP-Datei")
+    assert sorted(names(server)) == sorted([known, "other"])
+    remove = page.get_by_role("button", name="other löschen")
+    remove.click()
+    expect(remove).to_have_text("wirklich löschen?")
+    remove.click()
+    expect(page.locator("#recordings-items li")).to_have_count(1)
+    assert names(server) == [known]
+
+
+def test_a_replay_finds_what_the_page_recorded_by_its_name(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
+    folder = tmp_path / "brickpose" / "recordings"
+
+    with pytest.raises(RecordingError, match=f"looked in .* in {folder}, which has none yet"):
+        recording_path(Path("lost"))
+    (folder / "kept").mkdir(parents=True)
+    assert recording_path(Path("kept")) == folder / "kept"
+    assert recording_path(Path("kept_0.mcap")) == folder / "kept"
+    assert recording_path(tmp_path) == tmp_path

@@ -1,0 +1,48 @@
+"""The page, opened in a real Chromium."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from playwright.sync_api import Browser, Page, expect
+from serving import ServedProgram, ask, until
+
+LOOKS = {
+    "light": {"color_scheme": "light"},
+    "dark": {"color_scheme": "dark"},
+    "forced colours": {"forced_colors": "active"},
+}
+"""How a page may look, as options of a browser's context."""
+
+# Without a graphics card a page is quickest when nothing pretends that there is one.
+NO_GL = ["--disable-gpu"]
+PATIENCE_MS = 60_000
+"""A page on a busy machine comes late, which is no fault of it."""
+
+expect.set_options(timeout=PATIENCE_MS)
+
+SOFTWARE_GL = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+
+
+def opened(
+    browser: Browser, server: ServedProgram, *, width: int, height: int, view: bool, **options
+) -> Iterator[Page]:
+    context = browser.new_context(viewport={"width": width, "height": height}, **options)
+    context.set_default_timeout(PATIENCE_MS)
+    complaints: list[str] = []
+    made = context.new_page()
+    made.on("pageerror", lambda error: complaints.append(str(error)))
+    asked: list[str] = []
+    made.on("request", lambda request: asked.append(request.url))
+    if not view:
+        made.route("**/view/**", lambda route: route.fulfill(body="<p>no 3D here</p>"))
+    made.goto(server.url)
+    made.wait_for_function("window.brickpose?.connected && window.brickpose?.telemetry?.estimate")
+    yield made
+    context.close()
+    assert not complaints, complaints
+    elsewhere = [url for url in asked if server.address not in url and not url.startswith("data:")]
+    assert not [url for url in elsewhere if not url.startswith("blob:")], "fetched from elsewhere"
+    with server.live() as after:
+        ask(after, type="stop")
+        until(after, lambda now: now["mode"] == "idle")

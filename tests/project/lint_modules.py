@@ -1,0 +1,161 @@
+"""Refuse modules that hide what they hold, and two classes of one name: ``make check`` runs this.
+
+* A module's first sentence names what the module defines.
+* Constants stand above the second definition, unless they are made of definitions above them.
+* A public class has a name of its own, so that a search finds one thing.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+import sys
+from collections import defaultdict
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+FOLDERS = ("app", "robot", "sim", "benchmarks")
+ENDINGS = re.compile(
+    r"(?:ations?|ating|at(?:ed|es|e)|ings?|ions?|ers?|ors?|ies|ied|es|ed|e|s|y)$", re.IGNORECASE
+)
+EMPTY_WORDS = re.compile(
+    r"a|all|an|and|are|as|at|be|been|but|by|each|for|from|has|have|how|if|in|is|it|its|no|not|of|on|"
+    r"one|only|or|own|robots?|ros|ros2|so|than|that|the|them|there|they|this|to|until|what|when|"
+    r"where|which|with"
+)
+"""Words that say nothing of a module; "robot" stands in every second one."""
+SAME_NAME = {
+    "Cause": "lessons of teachers are written with it (docs/course.md)",
+    "Hypothesis": "the same",
+}
+"""Names that two public classes share, with the reason."""
+
+
+def main() -> int:
+    """Print what is refused, with its place; 1 if there is anything."""
+    bad = [*_unnamed_modules(), *_late_constants(), *_classes_of_one_name()]
+    sys.stdout.writelines(f"{line}\n" for line in bad)
+    return 1 if bad else 0
+
+
+def _modules(*folders: str) -> Iterator[tuple[str, ast.Module]]:
+    for folder in folders:
+        for path in sorted((ROOT / folder).rglob("*.py")):
+            yield str(path.relative_to(ROOT)), _parsed(path)
+
+
+@cache
+def _parsed(path: Path) -> ast.Module:
+    return ast.parse(path.read_text())
+
+
+# First sentences
+
+
+def _unnamed_modules() -> Iterator[str]:
+    for place, module in _modules(*FOLDERS, "tests"):
+        names = _described(place, module)
+        text = ast.get_docstring(module)
+        if names and text is not None and not _names_one(_first_sentence(text), place, names):
+            shown = ", ".join(node.name for node in names[:3])
+            yield f"{place}:1: the first sentence names neither the file nor {shown}"
+
+
+Definition = ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef
+
+
+def _described(place: str, module: ast.Module) -> list[Definition]:
+    """Return the public definitions that a file is named after; all, if it is after none."""
+    path = Path(place)
+    if path.name in {"__init__.py", "__main__.py"}:
+        return []
+    public = [
+        node
+        for node in module.body
+        if isinstance(node, Definition) and not node.name.startswith("_")
+    ]
+    if place.startswith("tests/"):
+        return public
+    shared = [len(_stems(node.name) & _stems(path.stem)) for node in public]
+    return [node for node, count in zip(public, shared, strict=True) if count == max(shared)]
+
+
+def _names_one(sentence: str, place: str, names: list[Definition]) -> bool:
+    """Return whether a sentence has a word of a name, or two of the text of one definition."""
+    said = _stems(sentence)
+    if any(said & _stems(name) for name in [Path(place).stem, *(node.name for node in names)]):
+        return True
+    texts = [_first_sentence(ast.get_docstring(node) or "") for node in names]
+    return any(len(said & _stems(text)) >= 2 for text in texts)
+
+
+def _first_sentence(text: str) -> str:
+    return re.split(r"(?<=[.?!])\s", text.partition("\n\n")[0], maxsplit=1)[0]
+
+
+def _stems(text: str) -> frozenset[str]:
+    words = (word.lower() for word in re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z0-9]+", text))
+    return frozenset(_stem(word) for word in words if not EMPTY_WORDS.fullmatch(word))
+
+
+def _stem(word: str) -> str:
+    """Return a word without its ending: ``mapper``, ``maps`` and ``mapping`` are one."""
+    short = ENDINGS.sub("", word, count=1)
+    short = short if len(short) >= 3 else word
+    return re.sub(r"(.)\1$", r"\1", short) if len(short) > 3 else short
+
+
+# Constants
+
+
+def _late_constants() -> Iterator[str]:
+    for place, module in _modules(*FOLDERS):
+        defined: set[str] = set()
+        count = 0
+        for node in module.body:
+            if isinstance(node, Definition):
+                count += 1
+                defined.add(node.name)
+            elif isinstance(node, ast.Assign | ast.AnnAssign):
+                names = _bound(node)
+                if _mentioned(node) & defined:
+                    defined |= names
+                elif count >= 2 and names != {"__all__"}:
+                    yield f"{place}:{node.lineno}: {', '.join(sorted(names))} belongs to the top"
+
+
+def _bound(node: ast.Assign | ast.AnnAssign) -> set[str]:
+    targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+    inner = (item for target in targets for item in ast.walk(target))
+    return {item.id for item in inner if isinstance(item, ast.Name)}
+
+
+def _mentioned(node: ast.AST) -> set[str]:
+    return {
+        item.id
+        for item in ast.walk(node)
+        if isinstance(item, ast.Name) and isinstance(item.ctx, ast.Load)
+    }
+
+
+# Classes
+
+
+def _classes_of_one_name() -> Iterator[str]:
+    found: dict[str, list[str]] = defaultdict(list)
+    for place, module in _modules(*FOLDERS):
+        for node in module.body:
+            if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
+                found[node.name].append(f"{place}:{node.lineno}")
+    for name, places in sorted(found.items()):
+        if len(places) > 1 and name not in SAME_NAME:
+            yield f"{places[0]}: class {name} stands for another thing in {', '.join(places[1:])}"
+    for name in sorted(SAME_NAME):
+        if len(found[name]) < 2:
+            yield f"{Path(__file__).name}: class {name} stands for one thing: no reason is needed"
+
+
+if __name__ == "__main__":
+    sys.exit(main())

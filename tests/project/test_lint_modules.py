@@ -1,0 +1,63 @@
+"""What ``make check`` says of modules: first sentences, late constants, classes of one name."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import lint_modules
+import pytest
+
+
+@pytest.fixture
+def complaints(tmp_path: Path, monkeypatch, capsys):
+    """Write modules, by their paths, and return what is said of them."""
+    monkeypatch.setattr(lint_modules, "ROOT", tmp_path)
+    monkeypatch.setattr(lint_modules, "SAME_NAME", {})
+
+    def said(**sources: str) -> list[str]:
+        (tmp_path / "robot").mkdir()
+        for name, source in sources.items():
+            (tmp_path / "robot" / f"{name}.py").write_text(source)
+        failed = lint_modules.main()
+        lines = capsys.readouterr().out.splitlines()
+        assert failed == bool(lines)
+        return lines
+
+    return said
+
+
+@pytest.mark.parametrize(
+    ("sentence", "named"),
+    [
+        ("A participant of DDS that looks like a node of ROS 2.", True),
+        ("How processes take part: participants, and their sockets.", True),
+        ("The node that other nodes see.", True),
+        ("Keeps a process's UDP sockets to this machine.", False),
+        ("What a robot is to all the others. A participant.", False),
+    ],
+)
+def test_the_first_sentence_has_a_word_of_the_name_or_two_of_its_text(complaints, sentence, named):
+    source = (
+        f'"""{sentence}"""\n\n'
+        'def confine() -> None:\n    """Keep UDP sockets to this machine."""\n\n'
+        'class Participant:\n    """A node as other nodes see it."""\n'
+    )
+    lines = complaints(participant=source)
+    names = ["robot/participant.py:1: the first sentence names neither the file nor Participant"]
+    assert lines == ([] if named else names)
+
+
+def test_a_constant_belongs_above_the_second_definition_unless_it_is_made_of_one(complaints):
+    source = (
+        '"""Late."""\n\ndef late(): ...\n\nEARLY = 1\n\nclass Late: ...\n\n'
+        "MADE = Late()\nOF_MADE = [MADE]\nLATER: int = 2\n"
+    )
+    assert complaints(late=source) == ["robot/late.py:11: LATER belongs to the top"]
+
+
+def test_a_public_class_has_a_name_of_its_own(complaints):
+    source = '"""{0}."""\n\nclass Session: ...\n\nclass _Own: ...\n'
+    lines = complaints(first=source.format("First"), second=source.format("Second"))
+    assert [line for line in lines if "class" in line] == [
+        "robot/first.py:3: class Session stands for another thing in robot/second.py:3"
+    ]

@@ -1,0 +1,51 @@
+"""What wheels tell of a robot, and what they only seem to tell."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from robot.calibration.wheel_motion import BY_SEPARATION, WheelMotion
+from robot.description.unknowns import COUNT, NAMES
+from robot.geometry import Array
+
+
+def test_the_noise_of_wheels_that_go_straight_tells_no_separation() -> None:
+    stamps = np.arange(100) / 10
+    noise = np.random.default_rng(0).normal(0, 0.01, (len(stamps), 2))
+    motion = WheelMotion(stamps, stamps, 4 * stamps[:, None] + noise, (0.028, 0.028), 0.12)
+    straight = np.column_stack([0.112 * stamps, 0 * stamps, 0 * stamps])
+    errors = straight[1:] - straight[:-1] - motion.steps(np.zeros(COUNT), np.zeros((99, 2)))[0]
+    _, by_wheels = motion.steps(np.zeros(COUNT), np.zeros((99, 2)))
+    by_motion = by_wheels + motion.by_errors(np.zeros(COUNT), errors)
+    assert np.abs(by_wheels[:, 2, BY_SEPARATION]).max() > 1e-3
+    assert np.abs(by_motion[:, 2, BY_SEPARATION]).max() < 1e-6
+
+
+def circling(slip: Array) -> WheelMotion:
+    """Wheels of a robot that drives a circle of always the same speed, and slip so much (k, 2)."""
+    stamps = np.arange(len(slip)) / 10
+    ways = np.array([0.3, 0.5])
+    turned = ways + np.sqrt(np.mean(ways**2)) * slip
+    angles = np.concatenate([np.zeros((1, 2)), np.cumsum(turned[:-1], axis=0)])
+    return WheelMotion(stamps, stamps, angles, (0.028, 0.028), 0.12)
+
+
+def test_slip_tells_no_separation() -> None:
+    """Derivatives that change with slip would explain it, as the sizes of other wheels."""
+    slip = np.random.default_rng(0).normal(0, 0.04, (100, 2))
+    changes = [
+        np.ptp(circling(slip).steps(np.zeros(COUNT), state[:-1])[1][:, 2, BY_SEPARATION])
+        for state in (slip, 0 * slip)
+    ]
+    assert changes[0] < 0.1 * changes[1]
+
+
+def test_the_robot_moves_at_a_picture_as_before_and_after_it() -> None:
+    """A rolling shutter sees it: with the wheels as described it would tell where ahead is."""
+    values = np.zeros(COUNT)
+    values[[NAMES.index("left_radius"), NAMES.index("wheel_separation")]] = 0.05, -0.05
+    slip = np.full((100, 2), [0.03, -0.02])
+    motion = circling(0 * slip)
+    arcs = motion.steps(values, slip[:-1])[0] / 0.1
+    assert motion.twists(values, slip)[5:-5] == pytest.approx(arcs[5:-4, [0, 2]], rel=1e-3)

@@ -1,0 +1,130 @@
+"""Measures how exact walls are that a laser's log becomes: ``laser_trials.py LOG``.
+
+Not a test: each drive takes about a minute, with particles (``--method grid``) some minutes. The
+log's odometry is taken as the true path (it has to be corrected, as that of the Intel lab is), and
+noisy odometry is made of it. With ``--simulated`` the scans are cast in the building that the log
+shows, so that the truth is known, and the share of pairs of poses is told whose difference lies
+within its 95 % interval.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from mappings import aligned
+from scipy.spatial import cKDTree
+
+from app.features.lab.localize.laser_map import LaserMap
+from app.features.lab.localize.reading.carmen import measurements
+from app.features.lab.mapping.looks import REACH_M
+from robot.fields.ray_casting import cast_rays
+from robot.geometry import Pose2
+from robot.mapping.graph.graph_slam import GraphSettings, GraphSlam
+from robot.mapping.graph.pose_graph import PoseGraph
+from robot.mapping.graph.wall_drawing import WallDrawing
+from robot.mapping.grid.beams import Beams
+from robot.mapping.grid.cell_mapper import CellMapper
+from robot.mapping.grid.fast_slam import WALLS, FastSlam
+from robot.scan import Scan
+
+NEAR_M = 0.1
+RANGE_SD = 0.02
+PAIRS, CHI_SQUARE = 1000, 5.99
+SCALE_SD = 0.02
+"""Of wheels and track, for the whole drive."""
+ALONG, ASIDE, TURN = 0.05, 0.02, (0.05, 0.02)
+"""Noise of a step, as shares of its length; of its turn, and by its length [rad/m]."""
+
+
+def noisy(moved: Pose2, scale: tuple[float, float], rng: np.random.Generator) -> Pose2:
+    far = math.hypot(moved.x, moved.y)
+    return Pose2(
+        moved.x * scale[0] + rng.normal(0, ALONG * far),
+        moved.y + rng.normal(0, ASIDE * far),
+        moved.theta * scale[1] + rng.normal(0, TURN[0] * abs(moved.theta) + TURN[1] * far),
+    )
+
+
+def mapper(method: str, start: Pose2, rng: np.random.Generator) -> CellMapper:
+    return GraphSlam(GraphSettings(), start) if method == "graph" else FastSlam(WALLS, start, rng)
+
+
+def simulated(poses: tuple[Pose2, ...], scans: tuple[Scan, ...]) -> tuple[Scan, ...]:
+    """What the laser would see in the building that its scans show."""
+    path = np.array([pose.to_array() for pose in poses])
+    drawn = WallDrawing.of(path, [Beams.of_scan(scan, REACH_M) for scan in scans], 0.05)
+    building, rng = LaserMap.of(drawn.grid, "building"), np.random.default_rng(0)
+    cells_from_map = building.pose_in_map(Pose2()).inverse()
+    exact, cast = np.empty((1, len(scans[0].bearings))), []
+    for pose, scan in zip(poses, scans, strict=True):
+        sensor = (cells_from_map @ pose @ scan.robot_from_scan).to_array()[None]
+        cast_rays(sensor, scan.bearings, building.field.edge_index, REACH_M, exact)
+        ranges = exact[0] + rng.normal(0, RANGE_SD, exact.size)
+        cast.append(replace(scan, ranges=ranges))
+    return tuple(cast)
+
+
+def held(graph: PoseGraph, poses: tuple[Pose2, ...]) -> float:
+    """The share of pairs of poses whose difference lies within its 95 % interval."""
+    pairs = np.random.default_rng(0).integers(0, len(poses), (PAIRS, 2)).tolist()
+    inside = []
+    for a, b in ((a, b) for a, b in pairs if a != b):
+        true, drawn = poses[a].inverse() @ poses[b], graph.pose(a).inverse() @ graph.pose(b)
+        off, covariance = true.offset_to(drawn)[:2], graph.covariance(b, a)[:2, :2]
+        inside.append(off @ np.linalg.solve(covariance, off) < CHI_SQUARE)
+    return float(np.mean(inside))
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser()
+    parser.add_argument("log", type=Path, help="a CARMEN log with corrected odometry")
+    parser.add_argument("--seeds", type=int, nargs=2, default=(100, 103), metavar=("A", "END"))
+    parser.add_argument("--method", choices=("graph", "grid"), default="graph")
+    parser.add_argument("--simulated", action="store_true", help="cast the scans anew")
+    given = parser.parse_args()
+    poses, scans = zip(*measurements(given.log), strict=True)
+    true = np.array([pose.to_array() for pose in poses])
+    if given.simulated:
+        scans = simulated(poses, scans)
+    walls = cKDTree(
+        np.vstack(
+            [p.apply(s.within(0, REACH_M).points()) for p, s in zip(poses, scans, strict=True)]
+        )
+    )
+    for seed in range(*given.seeds):
+        rng = np.random.default_rng(seed)
+        scale = 1 + SCALE_SD * rng.normal(), 1 + SCALE_SD * rng.normal()
+        slam, odometry = mapper(given.method, poses[0], rng), [poses[0]]
+        begun = time.process_time()
+        for k, scan in enumerate(scans):
+            step = noisy(poses[k - 1].inverse() @ poses[k], scale, rng) if k else Pose2()
+            slam.update(step, Beams.of_scan(scan, REACH_M))
+            odometry.append(odometry[-1] @ step)
+        slam.finish()
+        taken = time.process_time() - begun
+        by_wheels = np.array([pose.to_array() for pose in odometry[1:]])
+        map_to_true = aligned(slam.path[:, :2], true[:, :2])
+        distances, _ = walls.query(map_to_true.apply(slam.ends))
+        print(
+            f"seed {seed}: {100 * (distances < NEAR_M).mean():.1f} % of the walls within "
+            f"{NEAR_M:g} m, path {rms(slam.path, true):.3f} m off "
+            f"(odometry {rms(by_wheels, true):.2f} m), {taken:.0f} s of the processor",
+            flush=True,
+        )
+        if given.simulated and isinstance(slam, GraphSlam):
+            print(f"  {100 * held(slam.graph, poses):.0f} % of the differences held", flush=True)
+
+
+def rms(path: np.ndarray, true: np.ndarray) -> float:
+    """Of the distances after alignment [m]."""
+    off = aligned(path[:, :2], true[:, :2]).apply(path[:, :2]) - true[:, :2]
+    return float(np.sqrt((off**2).sum(axis=1).mean()))
+
+
+if __name__ == "__main__":
+    main()
