@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from app.engine.program import Program
     from app.engine.robot_kind import RobotKind
     from app.engine.value import Value
+    from app.messages.message import Message
     from app.page.outlets import Outlet, Outlets
     from app.settings.config import Config
     from app.tools.doctor.finding import Finding
@@ -119,6 +120,9 @@ class Feature:
     commands: tuple[Callable[[], Iterable[CommandRow]], ...] = ()
     """Each gives rows of the table of commands, which the page, programs, recordings and replays
     then have; the types of their commands must be new."""
+    messages: tuple[Callable[[], Iterable[type[Message]]], ...] = ()
+    """Each gives messages of its routes, which ``/docs`` describes and the page's types have as
+    they have commands; their names must be new."""
     robots: tuple[Callable[[], Iterable[RobotKind]], ...] = ()
     """Each gives robots that ``--robot`` can choose; their names must be new."""
     companions: tuple[NewCompanion, ...] = ()

@@ -1,4 +1,4 @@
-// Made from app/messages/ by `python -m app.messages.typescript`; change it there.
+// Made from the program's classes of messages by `python -m app.tools.message_types`.
 
 export type Command =
   | CalibrateCommand
@@ -103,6 +103,19 @@ export interface CalibrationDriveMessage {
   adjusted: number;
   /** What is missing so far, or why it failed; null when all is well. */
   message: string | null;
+}
+
+/** What is known of the robot: by the last adjusted drive, or by its profile without one. */
+export interface CalibrationMessage {
+  /** When and from what the robot was calibrated; empty if it is as described. */
+  measured: string;
+  /** Whether ``undo_calibration`` can go back to another calibration. */
+  undoable: boolean;
+  unknowns: UnknownMessage[];
+  /** By how much these errors may shift the estimated place, in 95 % [m]; null without a drive. */
+  position: number | null;
+  /** Motions that would determine what is not known yet. */
+  advice: string[];
 }
 
 /** What is to change of a recording; what is left out stays. */
@@ -605,6 +618,23 @@ export interface LoopMessage {
   latency_ms: number;
 }
 
+/** The map that is drawn by driving, as far as it is drawn. */
+export interface MapDrawingMessage {
+  /** Its version, as in ``MappingMessage``; 0 without a map. */
+  version: number;
+  strokes: StrokeMessage[];
+  /** The robot's path, corrected [m]. */
+  path: [number, number][];
+  /** Some of the points at which edges of tape were seen [m]. */
+  edges: [number, number][];
+  /** In a finished map, ends of strokes that no picture showed [m]. */
+  unseen_ends: [number, number][];
+  /** How well a finished map fits; empty before. */
+  facts: string[];
+  /** What is wrong with a finished map, or may be wrong. */
+  remarks: string[];
+}
+
 /** The map that is drawn by driving, or the last one. */
 export interface MappingMessage {
   /**
@@ -1078,6 +1108,14 @@ export interface StopCommand {
   type: "stop";
 }
 
+/** The centre line of a piece of tape. */
+export interface StrokeMessage {
+  /** Points along it [m]; a closed line repeats its first point. */
+  points: [number, number][];
+  /** Half of the 95 % interval across the line, where it is least certain [m]. */
+  interval: number;
+}
+
 /** Take over from the client that drives, and end a stop that holds. */
 export interface TakeCommand {
   /** Repeated in the answer. */
@@ -1142,6 +1180,20 @@ export interface UndoCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
   type: "undo";
+}
+
+/** One number of the robot that is measured, in a unit for people. */
+export interface UnknownMessage {
+  name: string;
+  unit: string;
+  /** Difference from the description. */
+  value: number;
+  /** Half of the 95 % interval around the value [same unit]. */
+  interval: number;
+  /** The same for a robot that was built by hand and not calibrated. */
+  prior: number;
+  /** Whether the drive determined it. */
+  learnt: boolean;
 }
 
 /** Update once with the next frame, even if the filter is paused or the robot stands still. */

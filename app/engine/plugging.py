@@ -13,7 +13,8 @@ from app.engine.robot_kind import RobotKind
 from app.engine.value import Value
 from app.feature import Feature
 from app.feature_search import Features, failure_of, find_features
-from app.messages.message import CommandMessage
+from app.messages.message import CommandMessage, Message
+from app.messages.schema import MESSAGES
 from app.settings.config import Config
 from robot.errors import BrickPoseError
 from robot.fields.field import Field
@@ -21,7 +22,6 @@ from robot.interface import Robot
 
 ROOMS_WITH_COMMANDS = (
     "app.engine.driving_commands",
-    "app.engine.hand_commands",
     "app.engine.pose_commands",
     "app.engine.filter_commands",
     "app.engine.profile_command",
@@ -48,6 +48,13 @@ class Plugged:
     """What goes along with each engine, and whose it is."""
     robots: Mapping[str, RobotKind]
     """What ``--robot`` chooses from, by name."""
+    messages: tuple[type[Message], ...]
+    """What is sent."""
+
+    @property
+    def all_messages(self) -> tuple[type[Message], ...]:
+        """What is sent and what is taken."""
+        return (*self.rows, *self.messages)
 
     @classmethod
     def of_core(cls, features: Features) -> Plugged:
@@ -55,20 +62,22 @@ class Plugged:
         rows = [row for room in ROOMS_WITH_COMMANDS for row in import_module(room).COMMANDS]
         values: tuple[Value, ...] = import_module(ROOM_WITH_VALUES).VALUES
         robots = {kind.name: kind for kind in import_module(ROOM_WITH_ROBOTS).ROBOTS}
-        return cls(features, collected(rows), values, (), robots)
+        return cls(features, collected(rows), values, (), robots, MESSAGES)
 
     def with_feature(self, feature: Feature) -> Plugged:
         """Return the tables with what a feature adds: all of it.
 
         Raises:
-            ValueError: a command, a value or a robot has a name that is taken.
+            ValueError: a command, a message, a value or a robot has a name that is taken.
             TypeError: something is of another type than its hook takes.
         """
         rows = [row for make in feature.commands for row in make()]
         values = [value for make in feature.values for value in make()]
         companions = tuple((feature.name, make) for make in feature.companions)
         robots = {kind.name: kind for make in feature.robots for kind in make()}
+        messages = [message for make in feature.messages for message in make()]
         _require_new(values, self.values)
+        _require_messages(messages, self.all_messages)
         for name in robots.keys() & self.robots.keys():
             raise ValueError(f"there is a robot {name!r} already")
         return replace(
@@ -77,6 +86,7 @@ class Plugged:
             values=(*self.values, *values),
             companions=(*self.companions, *companions),
             robots={**self.robots, **robots},
+            messages=(*self.messages, *messages),
         )
 
 
@@ -135,3 +145,14 @@ def _require_new(values: Iterable[Value], known: Iterable[Value]) -> None:
         if value.name in names:
             raise ValueError(f"there is a value {value.name!r} already")
         names.add(value.name)
+
+
+def _require_messages(messages: Iterable[object], known: Iterable[type[Message]]) -> None:
+    names = {each.__name__ for each in known}
+    for message in messages:
+        if not (isinstance(message, type) and issubclass(message, Message)):
+            raise TypeError(f"a message is {message!r}; valid is a class of messages")
+        name = message.__name__
+        if name in names:
+            raise ValueError(f"there is a message {name} already")
+        names.add(name)

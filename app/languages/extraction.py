@@ -18,6 +18,7 @@ TELLING = (
     "app/features/course/sandbox/student_process.py", "app/engine", "app/messages/commands.py",
     "app/messages/message.py", "app/page",
     "app/features/calibration", "app/features/mapping", "app/features/recordings",
+    "app/features/weighing",
     "app/files.py", "app/settings/conditions.py", "app/settings/faults.py",
     "app/settings/field_names.py", "robot/calibration", "robot/description/profile.py",
     "robot/description/unknowns.py", "robot/description/lens_table.py", "robot/cameras",

@@ -92,62 +92,6 @@ class FieldMessage(Message):
     """Names of the features that take part; the page hides what belongs to others."""
 
 
-class UnknownMessage(Message):
-    """One number of the robot that is measured, in a unit for people."""
-
-    name: str
-    unit: str
-    value: float
-    """Difference from the description."""
-    interval: float
-    """Half of the 95 % interval around the value [same unit]."""
-    prior: float
-    """The same for a robot that was built by hand and not calibrated."""
-    learnt: bool
-    """Whether the drive determined it."""
-
-
-class CalibrationMessage(Message):
-    """What is known of the robot: by the last adjusted drive, or by its profile without one."""
-
-    measured: str
-    """When and from what the robot was calibrated; empty if it is as described."""
-    undoable: bool
-    """Whether ``undo_calibration`` can go back to another calibration."""
-    unknowns: list[UnknownMessage]
-    position: float | None
-    """By how much these errors may shift the estimated place, in 95 % [m]; null without a drive."""
-    advice: list[str]
-    """Motions that would determine what is not known yet."""
-
-
-class StrokeMessage(Message):
-    """The centre line of a piece of tape."""
-
-    points: list[tuple[float, float]]
-    """Points along it [m]; a closed line repeats its first point."""
-    interval: float
-    """Half of the 95 % interval across the line, where it is least certain [m]."""
-
-
-class MapDrawingMessage(Message):
-    """The map that is drawn by driving, as far as it is drawn."""
-
-    version: int
-    """Its version, as in ``MappingMessage``; 0 without a map."""
-    strokes: list[StrokeMessage]
-    path: list[tuple[float, float]]
-    """The robot's path, corrected [m]."""
-    edges: list[tuple[float, float]]
-    """Some of the points at which edges of tape were seen [m]."""
-    unseen_ends: list[tuple[float, float]]
-    """In a finished map, ends of strokes that no picture showed [m]."""
-    facts: list[str]
-    """How well a finished map fits; empty before."""
-    remarks: list[str]
-    """What is wrong with a finished map, or may be wrong."""
-
-
 class ParameterMessage(Message):
     """One parameter of the filter, with its meaning."""
 

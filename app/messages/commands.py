@@ -142,46 +142,6 @@ class ShowCommand(CommandMessage):
     visible: bool
 
 
-class RecordCommand(CommandMessage):
-    """Start a recording, or end the running one."""
-
-    type: Literal["record"]
-    on: bool
-
-
-class OpenRecordingCommand(CommandMessage):
-    """Replay a recording in place of the robot, whose motors stop."""
-
-    type: Literal["open_recording"]
-    name: Annotated[str, Field(max_length=200)]
-    """Its name in ``/api/recordings``."""
-
-
-class RunAgainCommand(CommandMessage):
-    """Replay the last recording with the current parameters."""
-
-    type: Literal["run_again"]
-
-
-class CloseRecordingCommand(CommandMessage):
-    """Go back from a recording that the page opened to the robot."""
-
-    type: Literal["close_recording"]
-
-
-class ReplayCommand(CommandMessage):
-    """Change how a recording is replayed; values that are left out stay as they are."""
-
-    type: Literal["replay"]
-    paused: bool | None = None
-    speed: Annotated[float, Field(ge=0.05, le=50)] | None = None
-    """Seconds of the recording per second."""
-    position_s: Annotated[float, Field(ge=0)] | None = None
-    """Go to this time since the recording's beginning."""
-    step: Annotated[int, Field(ge=-1000, le=1000)] | None = None
-    """Go this many pictures forward (or back, if negative), and pause."""
-
-
 class PingCommand(CommandMessage):
     """Do nothing; the stamp of the answer can be used to align clocks."""
 

@@ -40,30 +40,6 @@ class FigureEightCommand(CommandMessage):
     """Speed along the circles [m/s]; null means as configured. It may change during the drive."""
 
 
-class CalibrateCommand(CommandMessage):
-    """Drive to calibrate the robot, for a minute.
-
-    It holds as long as drive does, and continues if renewed. At its end the robot is calibrated
-    by what it saw; ``stop`` leaves the calibration as it was.
-    """
-
-    type: Literal["calibrate"]
-    start: bool = False
-    """Whether to begin; without it the command only renews a drive that has begun."""
-
-
-class FinishCalibrationCommand(CommandMessage):
-    """End the calibration's drive, and calibrate the robot by what it has seen so far."""
-
-    type: Literal["finish_calibration"]
-
-
-class UndoCalibrationCommand(CommandMessage):
-    """Go back to the calibration before the last one by driving; a second undo takes that back."""
-
-    type: Literal["undo_calibration"]
-
-
 class TakeCommand(CommandMessage):
     """Take over from the client that drives, and end a stop that holds."""
 

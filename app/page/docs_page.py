@@ -36,7 +36,7 @@ def docs_page(openapi: dict[str, Any]) -> str:
         "<p>The WebSocket <code>/api/lens</code> sends "
         '<a href="#LensStatusMessage">LensStatusMessage</a> and takes the requests to calibrate '
         "the lens.</p>",
-        *(_message(name, model) for name, model in schema(plugged().rows)["$defs"].items()),
+        *(_message(name, model) for name, model in schema(plugged().all_messages).items()),
     ]
     return "\n".join(parts)
 

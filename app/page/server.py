@@ -20,13 +20,11 @@ from app.page.application import new_application
 from app.page.camera_stream import STREAM, CameraStream
 from app.page.faults import faults_router
 from app.page.field import NO_PICTURE, field_router
-from app.page.filter_by_hand import hand_router
 from app.page.outlets import Outlets
 from app.page.state import state_router
 from app.page.tokens import Tokens
 from app.page.view.cameras import Look
 from app.page.view.view import View
-from app.page.weighing import weighing_router
 
 
 def create_app(
@@ -69,8 +67,6 @@ def create_app(
     app.include_router(state_router(program, thread, (view, keeper), outlets))
     app.include_router(field_router(program))
     app.include_router(faults_router(program))
-    app.include_router(weighing_router(program))
-    app.include_router(hand_router(program))
     for router in (*outlets.routers(), *routers):
         app.include_router(router)
     return app

@@ -225,7 +225,7 @@ export class MapPanel {
 
   /** What particles say, beside the map; it is loaded when it is first used. */
   async particles() {
-    const { ParticlesPanel } = await import("../particles/panel.js");
+    const { ParticlesPanel } = await import("../features/weighing/panel.js");
     const closed = () => this.tool.tool === "ask" && this.#choose("look");
     return this.scene.particles ?? new ParticlesPanel(this.scene, this.#view, this.gestures, this.telling.order, this.refresh, closed);
   }

@@ -35,7 +35,7 @@ export class Scene {
   ends = null;
   /** What is measured. @type {import("./measure.js").MeasureTool | null} */
   measure = null;
-  /** Draws what particles say. @type {import("../particles/panel.js").ParticlesPanel | null} */
+  /** Draws what particles say. @type {import("../features/weighing/panel.js").ParticlesPanel | null} */
   particles = null;
   /** @type {Floor | null} */
   #floor = null;

@@ -22,8 +22,8 @@ from websockets.sync.client import ClientConnection, connect
 
 from app.engine.program import Program
 from app.features.calibration.lens import desk
+from app.features.calibration.lens.messages import LensMessage
 from app.features.calibration.lens.routes import lens_router
-from app.messages.lens import LensMessage
 from app.page.token_guard import TokenRequired
 from app.page.tokens import Tokens
 from app.settings.profiles import before, own_profile

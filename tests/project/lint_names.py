@@ -22,8 +22,8 @@ REFUSED = PREPOSITIONS | ADVERBS | PARTICIPLES | NUMERALS | QUESTIONS
 ACCESSORS = frozenset(["at", "now", "of"])
 """As names of functions and properties alone."""
 ALLOWED = {
-    ("app/messages/commands.py", "on"): "a field of the live protocol",
-    ("app/messages/hand_commands.py", "on"): "the same",
+    ("app/features/recordings/messages.py", "on"): "a field of the live protocol",
+    ("app/features/weighing/messages.py", "on"): "the same",
 }
 
 

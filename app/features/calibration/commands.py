@@ -8,7 +8,7 @@ from app.engine.command_row import CommandRow, Part, Request, TickContext
 from app.engine.driving import Programme
 from app.engine.driving_commands import require_drivable
 from app.engine.program import Program
-from app.messages.driving_commands import (
+from app.features.calibration.messages import (
     CalibrateCommand,
     FinishCalibrationCommand,
     UndoCalibrationCommand,

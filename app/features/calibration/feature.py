@@ -8,4 +8,8 @@ FEATURE = Feature(
     outlet=Late("app.features.calibration.outlet:CalibrationOutlet"),
     companions=(Late("app.features.calibration.tracking:trackings"),),
     commands=(Late("app.features.calibration.commands:COMMANDS"),),
+    messages=(
+        Late("app.features.calibration.messages:MESSAGES"),
+        Late("app.features.calibration.lens.messages:MESSAGES"),
+    ),
 )

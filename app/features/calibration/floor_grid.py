@@ -5,7 +5,7 @@ from __future__ import annotations
 from fastapi import APIRouter
 
 from app.engine.program import Program
-from app.messages.floor_grid import FloorGridMessage, GridLabelMessage, GridLineMessage
+from app.features.calibration.messages import FloorGridMessage, GridLabelMessage, GridLineMessage
 from robot.calibration.mounting.floor_grid import grid_labels, grid_lines
 
 

@@ -8,7 +8,8 @@ from fastapi import APIRouter, HTTPException, Response
 
 from app.engine.program import Program
 from app.features.calibration.drive_calibrator import FEWEST_S, CalibrationDrive, DriveCalibrator
-from app.messages.answers import CalibrationMessage, UnknownMessage, content, refusal
+from app.features.calibration.messages import CalibrationMessage, UnknownMessage
+from app.messages.answers import content, refusal
 from app.messages.telemetry import CalibrationDriveMessage
 from robot.calibration.calibrate import LEARNT, Calibration
 from robot.calibration.programme import USUAL_S

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from app.engine.command_row import CommandRow, Part, Repeat, Request, TickContext
 from app.engine.driving_commands import require_drivable
 from app.engine.program import Program
-from app.messages.map_commands import (
+from app.features.mapping.messages import (
     DeleteStrokeCommand,
     DiscardMapCommand,
     ExploreCommand,

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from app.engine.program import Program
 from app.engine.snapshot import Snapshot
+from app.features.mapping.messages import RouteCommand
 from app.messages.driving_commands import StopCommand
-from app.messages.map_commands import RouteCommand
 from robot.geometry import Pose2
 from robot.mapping.exploring import Explorer
 from robot.mapping.sketch import Sketch

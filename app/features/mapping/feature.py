@@ -7,4 +7,5 @@ FEATURE = Feature(
     about="draws the floor's tape while the robot drives, and explores it",
     outlet=Late("app.features.mapping.outlet:MappingOutlet"),
     commands=(Late("app.features.mapping.commands:COMMANDS"),),
+    messages=(Late("app.features.mapping.messages:MESSAGES"),),
 )

@@ -6,7 +6,7 @@ from app.console import say
 from app.engine.driver import Driver
 from app.engine.program import Program
 from app.features.mapping.map_drawer import MapDrawer
-from app.messages.map_commands import SaveMapCommand
+from app.features.mapping.messages import SaveMapCommand
 from app.page.program_changes import ProgramChanges
 from app.settings.config import MAPS
 from robot.errors import CommandError

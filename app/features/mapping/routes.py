@@ -11,7 +11,8 @@ from app.engine.snapshot import Snapshot
 from app.features.calibration.routes import INTERVAL
 from app.features.mapping.drawing import MapDrawing
 from app.features.mapping.map_drawer import MapDrawer
-from app.messages.answers import MapDrawingMessage, StrokeMessage, content, refusal
+from app.features.mapping.messages import MapDrawingMessage, StrokeMessage
+from app.messages.answers import content, refusal
 from app.messages.telemetry import MappingMessage, PoseMessage
 from robot.geometry import Array
 from robot.mapping.sketch import Sketch, largest_by_stroke

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from app.engine.command_row import CommandRow, Part, Request
 from app.engine.program import Program
-from app.messages.commands import (
+from app.features.recordings.messages import (
     CloseRecordingCommand,
     OpenRecordingCommand,
     RecordCommand,

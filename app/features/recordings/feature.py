@@ -25,4 +25,5 @@ FEATURE = Feature(
     ),
     outlet=Late("app.features.recordings.outlet:RecordingsOutlet"),
     commands=(Late("app.features.recordings.commands:COMMANDS"),),
+    messages=(Late("app.features.recordings.messages:MESSAGES"),),
 )

@@ -16,11 +16,11 @@ from mcap.writer import MCAP0_MAGIC as MAGIC
 from app.features.recordings.files.mcap_reader import open_recording
 from app.features.recordings.files.recorded import RecordingError
 from app.features.recordings.files.recording_file import METADATA_FILE
+from app.features.recordings.messages import LONGEST_NOTES
 from app.features.recordings.replay.ticks import RecordedTopics
 from app.features.ros.message_types import from_cdr
 from app.files import atomic_file, is_portable
 from app.foreign_files import read_apart
-from app.messages.recordings import LONGEST_NOTES
 from robot.yaml_file import parse_yaml
 
 NOTES_FILE = "notes.txt"

@@ -28,9 +28,9 @@ from app.features.recordings.library import (
     remove_left,
     rename,
 )
+from app.features.recordings.messages import ChangeMessage, RecordingEntry
 from app.messages.answers import content, refusal
 from app.messages.message import Message
-from app.messages.recordings import ChangeMessage, RecordingEntry
 from robot.errors import BrickPoseError
 
 MEDIA_TYPE = "application/octet-stream"

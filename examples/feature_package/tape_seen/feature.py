@@ -19,6 +19,7 @@ FEATURE = Feature(
     commands=(Late("tape_seen.commands:rows"),),
     values=(Late("tape_seen.commands:values"),),
     routers=(Late("tape_seen.routes:tape_router"),),
+    messages=(Late("tape_seen.routes:MESSAGES"),),
     robots=(Late("tape_seen.robot:robots"),),
     topics=(Late("tape_seen.topic:topics"),),
     panels=(Panel("tape-rays", "Tape", HERE / "page" / "tape_panel.js"),),

@@ -17,9 +17,12 @@ from app.engine.simulated_robots import build_kinematic
 from app.engine.value import Value
 from app.engine.values import values
 from app.feature import Feature
-from app.messages.commands import PlaceCommand
-from app.messages.message import CommandMessage
+from app.messages.commands import AckMessage, PlaceCommand
+from app.messages.message import CommandMessage, Message
+from app.messages.schema import schema
+from app.page.docs_page import docs_page
 from app.settings.config import MAPS, Config
+from app.tools.message_types import render
 from robot.errors import CommandError
 from robot.fields.field_loading import load_field
 
@@ -29,6 +32,13 @@ class BlinkCommand(CommandMessage):
 
     type: Literal["blink"]
     times: int
+
+
+class LampMessage(Message):
+    """A lamp."""
+
+    brightness: float
+    """How bright it is."""
 
 
 class OtherStopCommand(CommandMessage):
@@ -59,6 +69,21 @@ def test_a_command_of_a_feature_is_read_and_carried_out_as_all_others():
         parse('{"type": "blink", "times": "twice"}')
 
 
+def test_messages_and_commands_of_a_feature_are_described_for_people_and_for_the_page():
+    hooks = {
+        "messages": (lambda: [LampMessage],),
+        "commands": (lambda: [CommandRow(BlinkCommand)],),
+    }
+    plug_in(lamps(**hooks))
+    page = docs_page({"info": {"title": "BrickPose"}, "paths": {}})
+    types = render(schema(plugged().all_messages))
+    for name in ("LampMessage", "BlinkCommand"):
+        assert f'<h2 id="{name}">' in page
+        assert f"export interface {name} {{" in types
+    assert "How bright it is." in page
+    assert "  | BlinkCommand\n" in types
+
+
 def test_a_value_of_a_feature_is_shown_last():
     plug_in(lamps(values=(lambda: [Value("lamps", lambda _: 3)],)))
     assert [value.name for value in values()][-1] == "lamps"
@@ -73,6 +98,8 @@ def test_a_value_of_a_feature_is_shown_last():
         ({"commands": (lambda: [CommandRow(Value)],)}, "Value is no command"),
         ({"values": (lambda: [Value("mode", lambda _: 1)],)}, "a value 'mode' already"),
         ({"values": (lambda: ["mode"],)}, "valid is a Value"),
+        ({"messages": (lambda: [AckMessage],)}, "a message AckMessage already"),
+        ({"messages": (lambda: ["lamp"],)}, "valid is a class of messages"),
         ({"commands": (lambda: 1 / 0,)}, "ZeroDivisionError"),
         (
             {"commands": (lambda: [CommandRow(BlinkCommand)],), "values": (lambda: ["mode"],)},

@@ -15,8 +15,8 @@ from app.engine.earlier_beliefs import MOST_BYTES
 from app.engine.program import Program
 from app.engine.snapshot import Snapshot
 from app.engine.steps_by_hand import MOST_STEPS
+from app.features.weighing.messages import FilterByHandCommand, FilterStepCommand, FilterUndoCommand
 from app.messages.commands import ResetCommand, ScatterCommand, SetParametersCommand
-from app.messages.hand_commands import FilterByHandCommand, FilterStepCommand, FilterUndoCommand
 from robot.errors import CommandError
 from robot.geometry import Pose2, Twist2, compose
 from robot.localization.filter_by_hand import FilterByHand, StepError

@@ -11,7 +11,7 @@ import numpy as np
 
 from app.engine.program import Program
 from app.engine.robots import profile_file, written_file
-from app.messages.lens import (
+from app.features.calibration.lens.messages import (
     LensMessage,
     LensParameterMessage,
     LensRatingMessage,

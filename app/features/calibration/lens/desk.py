@@ -16,8 +16,7 @@ from app.engine.mailboxes.latest import Latest
 from app.engine.mailboxes.websocket_writer import WebsocketWriter
 from app.engine.program import Program
 from app.features.calibration.lens.calibrated import CalibratedLens, outline, pixels, saved_profile
-from app.messages.commands import ErrorMessage, in_words
-from app.messages.lens import (
+from app.features.calibration.lens.messages import (
     LENS_REQUEST,
     BoardMessage,
     LensBarsMessage,
@@ -27,6 +26,7 @@ from app.messages.lens import (
     LensStartRequest,
     LensStatusMessage,
 )
+from app.messages.commands import ErrorMessage, in_words
 from app.page.live import WATCHES
 from app.page.token_guard import role_in
 from app.page.tokens import Role

@@ -8,8 +8,8 @@ from fastapi.responses import HTMLResponse
 from app.engine.program import Program
 from app.features.calibration.lens.calibrated import CalibratedLens
 from app.features.calibration.lens.desk import LensDesk
+from app.features.calibration.lens.messages import BoardMessage, LensMessage
 from app.messages.answers import content, refusal
-from app.messages.lens import BoardMessage, LensMessage
 from app.page.language import page
 from app.settings.config import FRONTEND
 from robot.calibration.lens.board import Board

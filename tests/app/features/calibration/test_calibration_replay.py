@@ -12,8 +12,8 @@ from replays import go, to_the_end
 
 from app.engine.commands import check
 from app.engine.profile_command import calibration_command
+from app.features.calibration.messages import CalibrateCommand, UndoCalibrationCommand
 from app.features.recordings.replay.opening import ReplayOptions, open_replay
-from app.messages.driving_commands import CalibrateCommand, UndoCalibrationCommand
 from robot.description.profile import Profile
 from robot.description.spec import RobotSpec
 from robot.description.unknowns import PRIORS, ROBOT

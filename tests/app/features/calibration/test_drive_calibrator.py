@@ -16,9 +16,10 @@ from app.engine.program import Program
 from app.engine.snapshot import Snapshot
 from app.features.calibration.commands import DRIVE
 from app.features.calibration.drive_calibrator import FEWEST_S, DriveCalibrator
+from app.features.calibration.messages import CalibrateCommand
 from app.features.calibration.routes import calibration_message, drive_message
 from app.messages.commands import SetCalibrationCommand
-from app.messages.driving_commands import CalibrateCommand, StopCommand
+from app.messages.driving_commands import StopCommand
 from app.settings.profiles import before, own_profile
 from robot.calibration.programme import USUAL_S
 from robot.description.profile import Profile, load_profile

@@ -11,9 +11,9 @@ from engine_runs import run
 
 from app.engine.drivers import Driver
 from app.features.mapping.drawing_work import EXPLORED, NOTHING_SEEN
+from app.features.mapping.messages import ExploreCommand
 from app.features.mapping.routes import drawing_message
 from app.messages.driving_commands import DriveCommand, StopCommand
-from app.messages.map_commands import ExploreCommand
 from robot.errors import CommandError
 
 pytestmark = pytest.mark.slow

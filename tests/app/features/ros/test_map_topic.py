@@ -19,13 +19,13 @@ from rosbridge_sessions import ByHand, Client
 from app.engine.drivers import Driver
 from app.engine.snapshot import Snapshot
 from app.features.mapping.drawing_work import STEP_S
+from app.features.mapping.messages import DeleteStrokeCommand
 from app.features.ros.foxglove.offer import Offer
 from app.features.ros.foxglove.session import FoxgloveSession
 from app.features.ros.outlet import INBOX, PUBLISHER
 from app.features.ros.publisher import Pace
 from app.features.ros.rosbridge.bridge import Bridge
 from app.features.ros.topics import UNCHANGING, Published
-from app.messages.map_commands import DeleteStrokeCommand
 from app.settings.groups import MappingSettings
 from robot.fields.grid_map import load_map_yaml
 from robot.geometry import Pose2

@@ -20,11 +20,11 @@ from app.engine.program import Program
 from app.features.recordings.commands import OPENER
 from app.features.recordings.files.recorded import RecordingError
 from app.features.recordings.library import listed
+from app.features.recordings.messages import CloseRecordingCommand
 from app.features.recordings.replay import succession
 from app.features.recordings.replay.opening import ReplayProgram
 from app.features.recordings.replay.recorded_robot import RecordedRobot
 from app.features.recordings.replay.succession import replay_after
-from app.messages.commands import CloseRecordingCommand
 from app.messages.driving_commands import StopCommand
 from app.page.outlets import Outlets
 from app.settings.config import Config

@@ -7,9 +7,9 @@ from engine_runs import kinematic, run
 from recordings import begin, recorder_of
 from replays import course_of, gist, go, to_the_end
 
+from app.features.weighing.messages import FilterByHandCommand, FilterStepCommand, FilterUndoCommand
 from app.messages.commands import SetParametersCommand
 from app.messages.driving_commands import FigureEightCommand
-from app.messages.hand_commands import FilterByHandCommand, FilterStepCommand, FilterUndoCommand
 from sim.simulated import PERIOD
 
 ON = FilterByHandCommand(type="filter_by_hand", on=True)

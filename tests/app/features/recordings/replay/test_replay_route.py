@@ -5,7 +5,7 @@ from engine_runs import kinematic
 from recordings import record
 from replays import course_of, to_the_end
 
-from app.messages.map_commands import ExploreCommand, RouteCommand
+from app.features.mapping.messages import ExploreCommand, RouteCommand
 
 ROUTE = RouteCommand(type="route", x=0.05, y=0.0, theta=0.3, turn=0.3)
 

@@ -1,6 +1,6 @@
 // @ts-check
-import { t } from "../page/language.js";
-import { make } from "../page/elements.js";
+import { t } from "../../page/language.js";
+import { make } from "../../page/elements.js";
 import { AskTool } from "./ask_tool.js";
 import { drawFit, drawGhost, drawWords } from "./drawing.js";
 import { FitSection, weightWords } from "./fit.js";
@@ -8,11 +8,11 @@ import { HandSection } from "./hand.js";
 import { drawStep } from "./hand_drawing.js";
 import { LandscapeSection } from "./landscape.js";
 
-/** @typedef {import("../messages").Command} Command */
-/** @typedef {import("../messages").TelemetryMessage} TelemetryMessage */
-/** @typedef {import("../map/gestures.js").Gestures} Gestures */
-/** @typedef {import("../map/scene.js").Scene} Scene */
-/** @typedef {import("../map/view.js").MapView} MapView */
+/** @typedef {import("../../messages").Command} Command */
+/** @typedef {import("../../messages").TelemetryMessage} TelemetryMessage */
+/** @typedef {import("../../map/gestures.js").Gestures} Gestures */
+/** @typedef {import("../../map/scene.js").Scene} Scene */
+/** @typedef {import("../../map/view.js").MapView} MapView */
 
 const STYLE = "/static/style/particles.css";
 

@@ -8,12 +8,12 @@ from collections.abc import Iterator
 from app.engine.command_row import CommandRow, Repeat, TickContext
 from app.engine.controls import Controls
 from app.engine.program import Program
-from app.languages.marking import phrase
-from app.messages.hand_commands import (
+from app.features.weighing.messages import (
     FilterByHandCommand,
     FilterStepCommand,
     FilterUndoCommand,
 )
+from app.languages.marking import phrase
 from robot.errors import CommandError
 from robot.localization.filter_by_hand import StepError
 

@@ -12,7 +12,7 @@ from stub_drive import DEFAULTS, ENTRIES, STUB, Drive
 
 from app.engine.own_models.guards import OwnSensor
 from app.engine.own_models.model_file import ModelFile
-from app.page.weighing import LOWEST, landscape_message, pose_fits
+from app.features.weighing.routes import LOWEST, landscape_message, pose_fits
 from robot.geometry import Pose2
 from robot.localization.landscape import by_heading, landscape
 from robot.localization.models.sensor_models import SENSOR_MODELS, sensor_model

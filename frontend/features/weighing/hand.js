@@ -1,15 +1,15 @@
 // @ts-check
-import { decodeCloud } from "../map/cloud.js";
-import { t, tn } from "../page/language.js";
-import { make, setText } from "../page/elements.js";
-import { degrees, millimetres, plain } from "../page/format.js";
-import { sentence } from "../page/toasts.js";
-import { getJson } from "../wire/http.js";
+import { decodeCloud } from "../../map/cloud.js";
+import { t, tn } from "../../page/language.js";
+import { make, setText } from "../../page/elements.js";
+import { degrees, millimetres, plain } from "../../page/format.js";
+import { sentence } from "../../page/toasts.js";
+import { getJson } from "../../wire/http.js";
 
-/** @typedef {import("../messages").Command} Command */
-/** @typedef {import("../messages").HandStepMessage} HandStepMessage */
-/** @typedef {import("../messages").TelemetryMessage} TelemetryMessage */
-/** @typedef {import("../map/cloud.js").Cloud} Cloud */
+/** @typedef {import("../../messages").Command} Command */
+/** @typedef {import("../../messages").HandStepMessage} HandStepMessage */
+/** @typedef {import("../../messages").TelemetryMessage} TelemetryMessage */
+/** @typedef {import("../../map/cloud.js").Cloud} Cloud */
 /** @typedef {"predict" | "weigh" | "resample"} Step */
 /** @typedef {{message: HandStepMessage, before: Cloud, after: Cloud, noiseless: Cloud}} Shown the last step, unpacked */
 

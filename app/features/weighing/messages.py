@@ -1,10 +1,10 @@
-"""Messages on how particles are weighed: at single poses, all over the field, and step by step."""
+"""Messages on how particles are weighed, and commands to step the filter by hand."""
 
 from __future__ import annotations
 
 from typing import Literal
 
-from app.messages.message import Message
+from app.messages.message import CommandMessage, Message
 from app.messages.telemetry import PoseMessage
 
 
@@ -107,3 +107,34 @@ class HandStepMessage(Message):
     effective_before: float | None
     effective: float
     """Effective sample size."""
+
+
+class FilterByHandCommand(CommandMessage):
+    """Let the particle filter wait for steps by hand, or work by itself again.
+
+    Odometry gathers meanwhile; the next prediction uses all of it.
+    """
+
+    type: Literal["filter_by_hand"]
+    on: bool
+
+
+class FilterStepCommand(CommandMessage):
+    """Take one step of the particle filter by hand.
+
+    predict: move the particles by odometry up to the newest picture, with noise. weigh: weigh them
+    by that picture. resample: draw the particles that survive. Each follows the one before it;
+    predict is always possible.
+    """
+
+    type: Literal["filter_step"]
+    step: Literal["predict", "weigh", "resample"]
+
+
+class FilterUndoCommand(CommandMessage):
+    """Take back the last step by hand, random numbers included."""
+
+    type: Literal["filter_undo"]
+
+
+MESSAGES = (PoseFitsMessage, LandscapeMessage, HeadingsMessage, HandStepMessage)

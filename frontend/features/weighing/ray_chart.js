@@ -1,12 +1,12 @@
 // @ts-check
-import { t } from "../page/language.js";
-import { make, setText } from "../page/elements.js";
-import { degrees, millimetres, plain } from "../page/format.js";
-import { palette } from "../page/palette.js";
-import { Surface } from "../page/surface.js";
+import { t } from "../../page/language.js";
+import { make, setText } from "../../page/elements.js";
+import { degrees, millimetres, plain } from "../../page/format.js";
+import { palette } from "../../page/palette.js";
+import { Surface } from "../../page/surface.js";
 
-/** @typedef {import("../messages").PoseFitsMessage} PoseFitsMessage */
-/** @typedef {import("../messages").PoseFitMessage} PoseFitMessage */
+/** @typedef {import("../../messages").PoseFitsMessage} PoseFitsMessage */
+/** @typedef {import("../../messages").PoseFitMessage} PoseFitMessage */
 
 /** Part of the height for the ranges; the rest is for the rays' shares. */
 const RANGES = 0.55;

@@ -1,5 +1,5 @@
 // @ts-check
-/** @typedef {import("../messages").PoseMessage} PoseMessage */
+/** @typedef {import("../../messages").PoseMessage} PoseMessage */
 
 /** How near a press is to the ghost, or to the tip of its arrow [CSS px]. */
 const REACH = 16;

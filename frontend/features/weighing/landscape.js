@@ -1,17 +1,17 @@
 // @ts-check
-import { stroke } from "../map/drawing.js";
-import { t } from "../page/language.js";
-import { make, setText } from "../page/elements.js";
-import { degrees, millimetres, plain } from "../page/format.js";
-import { palette } from "../page/palette.js";
-import { sentence } from "../page/toasts.js";
-import { getJson } from "../wire/http.js";
+import { stroke } from "../../map/drawing.js";
+import { t } from "../../page/language.js";
+import { make, setText } from "../../page/elements.js";
+import { degrees, millimetres, plain } from "../../page/format.js";
+import { palette } from "../../page/palette.js";
+import { sentence } from "../../page/toasts.js";
+import { getJson } from "../../wire/http.js";
 import { powerOfTen } from "./powers.js";
 
-/** @typedef {import("../messages").HeadingsMessage} HeadingsMessage */
-/** @typedef {import("../messages").LandscapeMessage} LandscapeMessage */
-/** @typedef {import("../messages").PoseMessage} PoseMessage */
-/** @typedef {import("../map/view.js").MapView} MapView */
+/** @typedef {import("../../messages").HeadingsMessage} HeadingsMessage */
+/** @typedef {import("../../messages").LandscapeMessage} LandscapeMessage */
+/** @typedef {import("../../messages").PoseMessage} PoseMessage */
+/** @typedef {import("../../map/view.js").MapView} MapView */
 
 /** Shortest time between two landscapes [ms]. */
 const AGAIN_MS = 1000;

@@ -1,4 +1,4 @@
-"""Commands to draw a map of the floor by driving, to mend it, and to save it."""
+"""Commands to draw a map of the floor by driving, to mend and save it; and the map as drawn."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from app.messages.message import CommandMessage, Metres, Radians
+from app.messages.message import CommandMessage, Message, Metres, Radians
 
 
 class StartMapCommand(CommandMessage):
@@ -116,3 +116,33 @@ class SaveMapCommand(CommandMessage):
     use: bool = False
     """Whether to go on in the new map at once, if it is finished. The robot stands meanwhile, and a
     recording ends."""
+
+
+class StrokeMessage(Message):
+    """The centre line of a piece of tape."""
+
+    points: list[tuple[float, float]]
+    """Points along it [m]; a closed line repeats its first point."""
+    interval: float
+    """Half of the 95 % interval across the line, where it is least certain [m]."""
+
+
+class MapDrawingMessage(Message):
+    """The map that is drawn by driving, as far as it is drawn."""
+
+    version: int
+    """Its version, as in ``MappingMessage``; 0 without a map."""
+    strokes: list[StrokeMessage]
+    path: list[tuple[float, float]]
+    """The robot's path, corrected [m]."""
+    edges: list[tuple[float, float]]
+    """Some of the points at which edges of tape were seen [m]."""
+    unseen_ends: list[tuple[float, float]]
+    """In a finished map, ends of strokes that no picture showed [m]."""
+    facts: list[str]
+    """How well a finished map fits; empty before."""
+    remarks: list[str]
+    """What is wrong with a finished map, or may be wrong."""
+
+
+MESSAGES = (MapDrawingMessage,)

@@ -157,3 +157,12 @@ class LensMessage(Message):
     refused: list[LensRefusalMessage]
     missing: list[str]
     """What more pictures should show; empty if nothing."""
+
+
+MESSAGES = (
+    LensStatusMessage,
+    LensMessage,
+    LensStartRequest,
+    LensCalibrateRequest,
+    LensSaveRequest,
+)

@@ -9,8 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from app.engine.plugging import plugged
 from app.messages.schema import schema
-from app.messages.typescript import (
+from app.tools.message_types import (
     PRIMITIVES,
     TARGET,
     SchemaError,
@@ -22,7 +23,7 @@ from app.messages.typescript import (
 
 
 def test_the_types_in_the_repository_are_current() -> None:
-    assert main(["--check"]) == 0, "run python -m app.messages.typescript"
+    assert main(["--check"]) == 0, "run python -m app.tools.message_types"
 
 
 @pytest.mark.parametrize(
@@ -99,7 +100,7 @@ def test_a_key_with_a_default_may_be_absent_but_never_the_type() -> None:
 
 
 def test_every_message_and_the_union_of_commands_are_exported() -> None:
-    definitions = schema()["$defs"]
+    definitions = schema(plugged().all_messages)
     text = render(definitions)
     for name in definitions:
         assert f"export interface {name} {{" in text or f"export type {name} = " in text

@@ -1,9 +1,9 @@
 // @ts-check
-import { stroke } from "../map/drawing.js";
-import { palette } from "../page/palette.js";
+import { stroke } from "../../map/drawing.js";
+import { palette } from "../../page/palette.js";
 
-/** @typedef {import("../map/cloud.js").Cloud} Cloud */
-/** @typedef {import("../map/view.js").MapView} MapView */
+/** @typedef {import("../../map/cloud.js").Cloud} Cloud */
+/** @typedef {import("../../map/view.js").MapView} MapView */
 /** @typedef {import("./hand.js").Shown} Shown */
 /** @typedef {CanvasRenderingContext2D} Context in CSS pixels */
 

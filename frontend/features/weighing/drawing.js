@@ -1,12 +1,12 @@
 // @ts-check
-import { drawAim, drawRobot, label, stroke } from "../map/drawing.js";
-import { palette } from "../page/palette.js";
+import { drawAim, drawRobot, label, stroke } from "../../map/drawing.js";
+import { palette } from "../../page/palette.js";
 import { moved } from "./poses.js";
 
-/** @typedef {import("../messages").PoseFitsMessage} PoseFitsMessage */
-/** @typedef {import("../messages").PoseFitMessage} PoseFitMessage */
-/** @typedef {import("../messages").PoseMessage} PoseMessage */
-/** @typedef {import("../map/view.js").MapView} MapView */
+/** @typedef {import("../../messages").PoseFitsMessage} PoseFitsMessage */
+/** @typedef {import("../../messages").PoseFitMessage} PoseFitMessage */
+/** @typedef {import("../../messages").PoseMessage} PoseMessage */
+/** @typedef {import("../../map/view.js").MapView} MapView */
 /** @typedef {CanvasRenderingContext2D} Context */
 
 /** A share that much worse than the best ray's is drawn as the largest ring. */

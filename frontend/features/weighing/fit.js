@@ -1,17 +1,17 @@
 // @ts-check
-import { t } from "../page/language.js";
-import { make, setText } from "../page/elements.js";
-import { brief, degrees, millimetres, plain, readNumber } from "../page/format.js";
-import { sentence } from "../page/toasts.js";
-import { getJson } from "../wire/http.js";
+import { t } from "../../page/language.js";
+import { make, setText } from "../../page/elements.js";
+import { brief, degrees, millimetres, plain, readNumber } from "../../page/format.js";
+import { sentence } from "../../page/toasts.js";
+import { getJson } from "../../wire/http.js";
 import { between, moved } from "./poses.js";
 import { powerOfTen } from "./powers.js";
 import { RayChart } from "./ray_chart.js";
 
-/** @typedef {import("../messages").PoseFitsMessage} PoseFitsMessage */
-/** @typedef {import("../messages").PoseFitMessage} PoseFitMessage */
-/** @typedef {import("../messages").PoseMessage} PoseMessage */
-/** @typedef {import("../messages").TelemetryMessage} TelemetryMessage */
+/** @typedef {import("../../messages").PoseFitsMessage} PoseFitsMessage */
+/** @typedef {import("../../messages").PoseFitMessage} PoseFitMessage */
+/** @typedef {import("../../messages").PoseMessage} PoseMessage */
+/** @typedef {import("../../messages").TelemetryMessage} TelemetryMessage */
 
 /** While nothing is dragged, the fit is asked for again this often [ms]. */
 const AGAIN_MS = 300;

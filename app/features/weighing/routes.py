@@ -1,4 +1,4 @@
-"""Weighing for the page: single particles, the likelihood all over the field, and by hand."""
+"""Routes that say how a scan fits single poses, all over the field, and in all directions."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from fastapi import APIRouter, HTTPException, Query
 from app.engine.own_models.guards import OwnSensor
 from app.engine.program import Program
 from app.engine.snapshot import Snapshot
-from app.languages.marking import phrase
-from app.messages.answers import refusal
-from app.messages.telemetry import PoseMessage
-from app.messages.weighing import (
+from app.features.weighing.messages import (
     HeadingsMessage,
     LandscapeMessage,
     PoseFitMessage,
     PoseFitsMessage,
 )
+from app.languages.marking import phrase
+from app.messages.answers import refusal
+from app.messages.telemetry import PoseMessage
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2
 from robot.localization.landscape import by_heading, landscape

@@ -1,5 +1,5 @@
 // @ts-check
-/** @typedef {import("../messages").PoseMessage} PoseMessage */
+/** @typedef {import("../../messages").PoseMessage} PoseMessage */
 
 /** A pose seen from another: `pose` moved by `step`. @param {PoseMessage} pose @param {PoseMessage} step @returns {PoseMessage} */
 export function moved({ x, y, theta }, step) {

@@ -9,9 +9,9 @@ from fastapi import APIRouter, HTTPException
 
 from app.engine.program import Program
 from app.engine.steps_by_hand import HandState
+from app.features.weighing.messages import HandStepMessage
 from app.messages.answers import refusal
 from app.messages.telemetry import PoseMessage
-from app.messages.weighing import HandStepMessage
 from app.page.belief import packed
 from robot.fields.floor_picture import Extent
 from robot.geometry import Array, heading_vectors, wrap_angle

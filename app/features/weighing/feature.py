@@ -1,0 +1,14 @@
+"""What weighing adds: the page asks what a scan says of a pose, and steps the filter by hand."""
+
+from app.feature import Feature, Late
+
+FEATURE = Feature(
+    name="weighing",
+    about="shows what a scan says of each particle, and has the filter stepped by hand",
+    routers=(
+        Late("app.features.weighing.routes:weighing_router"),
+        Late("app.features.weighing.filter_by_hand:hand_router"),
+    ),
+    commands=(Late("app.features.weighing.hand_commands:COMMANDS"),),
+    messages=(Late("app.features.weighing.messages:MESSAGES"),),
+)
