@@ -93,14 +93,18 @@ class Scene:
         self._show_outline()
         self._added = [make(scene) for make in layers]
 
+    def remember(self, snapshot: Snapshot) -> None:
+        """Keep what paths show later of a snapshot that nobody looks at."""
+        self._paths["truth"].add(snapshot.truth)
+        self._paths["odometry"].add(snapshot.odometry)
+        self._paths["estimate"].add(snapshot.pose)
+
     def update(self, snapshot: Snapshot) -> None:
         """Show a snapshot."""
         self._ticks += 1
         if snapshot.spec is not self._spec:
             self._change_robot(snapshot.spec)
-        self._paths["truth"].add(snapshot.truth)
-        self._paths["odometry"].add(snapshot.odometry)
-        self._paths["estimate"].add(snapshot.pose)
+        self.remember(snapshot)
         with self._server.atomic():
             self._show_layers(snapshot)
             self._show_robot(snapshot)

@@ -88,6 +88,9 @@ class View:
             self.failure = f"The 3D view stopped: {error}"
 
     def _show(self, snapshot: Snapshot) -> None:
+        if not self._viewers.present:
+            self._scene.remember(snapshot)
+            return
         self._scene.update(snapshot)
         self.cameras.follow(snapshot.truth or snapshot.pose or snapshot.odometry)
 

@@ -53,6 +53,11 @@ class Viewers:
             task.cancel()
         await asyncio.gather(*self._tasks, return_exceptions=True)
 
+    @property
+    def present(self) -> bool:
+        """Whether anybody looks."""
+        return bool(self._tasks)
+
     async def serve(self, socket: WebSocket) -> None:
         """Serve one viewer in viser's event loop, until one side ends."""
         loop = self._loop

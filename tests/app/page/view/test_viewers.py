@@ -12,9 +12,11 @@ from websockets.sync.client import ClientConnection, connect
 
 from app.engine.build import build_program
 from app.engine.engine_thread import EngineThread
+from app.engine.snapshot import Snapshot
 from app.page.outlets import Outlets
 from app.page.server import create_app
 from app.page.view.cameras import Cameras
+from app.page.view.scene import Scene
 from app.page.view.viewers import PROTOCOL
 from app.settings.config import Config
 from sim.real_time import RealTime
@@ -83,3 +85,37 @@ def test_a_page_that_has_gone_has_no_camera(monkeypatch) -> None:
                 break
             get(f"http://{address}/api/health")
         assert not cameras._clients
+
+
+def test_nothing_is_drawn_for_nobody_but_paths_are_kept(monkeypatch) -> None:
+    done: list[str] = []
+
+    def noting(name: str):
+        original = getattr(Scene, name)
+
+        def noted(self: Scene, snapshot: Snapshot) -> None:
+            done.append(name)
+            original(self, snapshot)
+
+        return noted
+
+    for name in ("update", "remember"):
+        monkeypatch.setattr(Scene, name, noting(name))
+
+    def more_of(name: str, address: str) -> list[str]:
+        """What is done until something is done three times."""
+        done.clear()
+        for _ in range(2000):
+            if done.count(name) >= 3:
+                break
+            get(f"http://{address}/api/health")
+        return list(done)
+
+    program = build_program(Config(robot="kinematic", map="square"), RealTime())
+    app = create_app(program, EngineThread(program.engine), Outlets(program))
+    with listening(app) as address:
+        assert set(more_of("remember", address)) == {"remember"}
+        with connect(f"ws://{address}/view/mine", subprotocols=[PROTOCOL], max_size=None):
+            assert more_of("update", address).count("update") >= 3
+        # Each update remembers as well: those alone are for nobody.
+        assert any("update" not in more_of("remember", address) for _ in range(50))
