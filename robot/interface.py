@@ -16,6 +16,9 @@ from robot.errors import BrickPoseError
 from robot.geometry import Array, Pose2
 from robot.scan import Scan
 
+RESTING_PERIOD = 1.0
+"""Time between two pictures of a camera that rests [s]."""
+
 
 class RobotError(BrickPoseError, RuntimeError):
     """The robot cannot go on: unplugged, silent or broken."""
@@ -105,6 +108,14 @@ class PhysicalRobot(Protocol):
     def engine(self) -> str | None:
         """Name and version of the engine; None: the robot moved without forces."""
         ...
+
+
+@runtime_checkable
+class RestingRobot(Protocol):
+    """A robot whose pictures cost something to make, as those of a simulated camera do."""
+
+    resting: bool
+    """While it is true, a picture every ``RESTING_PERIOD`` is enough."""
 
 
 @runtime_checkable

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import math
 from collections import deque
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -15,7 +16,7 @@ from robot.camera import FloorView
 from robot.description.spec import RobotSpec
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2, Twist2, interpolate
-from robot.interface import Frame, Reading
+from robot.interface import RESTING_PERIOD, Frame, Reading
 from robot.settings import check_settings, setting
 from sim.encoders import Encoders
 from sim.exposures import Exposures
@@ -118,6 +119,7 @@ class SimulatedRobot:
         name: str,
         spec: RobotSpec,
         field: Field,
+        *,
         world: World,
         encoders: Encoders,
         camera: CameraSettings,
@@ -156,6 +158,9 @@ class SimulatedRobot:
         self._rendering: Future[NDArray[np.uint8]] | None = None
         self._due: float | None = None
         self._closed = False
+        self.resting = False
+        self._drawn = -math.inf
+        """Stamp of the last picture that was drawn [s]."""
         self._remember()
         self._plan()
 
@@ -262,11 +267,14 @@ class SimulatedRobot:
         """Decide which picture the next reading delivers, and begin it if it has been exposed."""
         self._rendering = None
         self._due = self._exposures.newest(self.stamp + PERIOD - self._exposures.until_here)
+        if self.resting and self._due is not None and self._due < self._drawn + RESTING_PERIOD:
+            self._due = None
         if self._due is not None and self._due <= self._past.newest:
             self._rendering = self._render(self._due)
 
     def _render(self, stamp: float) -> Future[NDArray[np.uint8]]:
         """Render the picture of a stamp while the program goes on."""
+        self._drawn = stamp
         if self._bump is not None and stamp >= self._bump[0]:
             self._camera.turn(self._bump[1])
             self._bump = None

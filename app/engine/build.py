@@ -88,7 +88,16 @@ def build_program(
     robot = robot or build_robot(config, spec, field, Streams.of(config.seed).robot, wait)
     if begin.truth is not None and isinstance(robot, RepositionableRobot):
         robot.place(begin.truth)
-    engine = build_engine(config, robot, field, scanner, own, begin, config.localization, entries)
+    engine = build_engine(
+        config,
+        robot,
+        field,
+        scanner,
+        own=own,
+        begin=begin,
+        parameters=config.localization,
+        entries=entries,
+    )
     if begin.complaint is not None:
         engine.note(begin.complaint)
     return Program(engine, robot, field, config, path, own.choice)
@@ -120,7 +129,9 @@ def build_on_map(program: Program, name: str, field: Field, place: Hypothesis) -
     path = pose_path(begins.pose_file, config.robot, field)
     own, begin = own_models(config, field), replace(start(begins, path, field), odometry=pose)
     parameters = controls.localization.parameters
-    engine = build_engine(config, robot, field, scanner, own, begin, parameters)
+    engine = build_engine(
+        config, robot, field, scanner, own=own, begin=begin, parameters=parameters
+    )
     if controls.spec is not robot.spec:
         engine.commands.put(calibration_command(Profile.of(controls.spec)))
     return Program(engine, robot, field, config, path, own.choice)
@@ -166,6 +177,7 @@ def build_engine(
     robot: Robot,
     field: Field,
     scanner: LineScanner,
+    *,
     own: OwnModels,
     begin: Start,
     parameters: LocalizationParameters,
@@ -188,11 +200,11 @@ def build_engine(
         field,
         parameters,
         Streams.of(config.seed).filter,
-        own,
-        entries,
-        begin.hypotheses,
-        config.localization,
-        robot.spec,
+        own=own,
+        entries=entries,
+        start=begin.hypotheses,
+        configured=config.localization,
+        spec=robot.spec,
     )
     companions = companions_of(config, robot, field)
     start_pose = _odometry_start(begin, robot, field)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import gc
 import itertools
+import math
 import threading
 import time
 from collections.abc import Callable
@@ -23,6 +24,7 @@ from app.engine.mailboxes.backlog import Backlog
 from app.engine.mailboxes.broadcast import Broadcast
 from app.engine.mailboxes.latest import Latest
 from app.engine.problems import LOG
+from app.engine.rest import STANDS_S, Audience, Standstill
 from app.engine.snapshot import DrawnMap, Snapshot
 from app.languages.marking import phrase
 from app.messages.commands import Command
@@ -30,7 +32,7 @@ from robot.description.spec import RobotSpec
 from robot.driving.odometry import OdometryState
 from robot.errors import BrickPoseError, one_line
 from robot.geometry import Twist2
-from robot.interface import Frame, Reading, RobotError
+from robot.interface import RESTING_PERIOD, Frame, Reading, RestingRobot, RobotError
 from robot.scan import Scan
 from robot.scanning.line_scanner import LineScanner
 
@@ -62,6 +64,8 @@ class Engine:
         self.latest: Latest[Snapshot] = Latest()
         self.every: Broadcast[Snapshot] = Broadcast()
         self.commands: Backlog[Command] = Backlog()
+        self.audience = Audience()
+        """Who looks at ``latest``; while nobody does and the robot stands, the camera rests."""
         self.failure: str | None = None
         """Why the engine failed; None while it has not."""
         self.handed_over = False
@@ -73,6 +77,13 @@ class Engine:
         self._apply = apply
         self._companions = companions or Companions()
         self._meter = LoopMeter()
+        self._standstill = Standstill()
+        self._resting = False
+        """Whether the camera rests."""
+        self._woke = 0.0
+        """When it last began to send all pictures [s]."""
+        self._measured = -math.inf
+        """Stamp of the last picture or scan that was used [s]."""
         self._last_scan: float | None = None
         """Stamp of a laser's newest scan [s]."""
         self._applied: tuple[Reading, Twist2] | None = None
@@ -154,6 +165,7 @@ class Engine:
         A failure is logged once and published, so readers do not take the last snapshot for a
         present one.
         """
+        self.audience.leave()  # whoever made the engine
         try:
             for count in itertools.count():
                 if stop.is_set():
@@ -186,6 +198,7 @@ class Engine:
         commands += self._companions.commands(odometry.odom_from_robot, controls)
         self._take(commands, odometry)
         self._localize(reading)
+        self._rest(odometry, commands)
         self._companions.add(reading, controls)
         controls.stop_while_faulty(connected=reading.connected, faults=reading.faults)
         kinematics = controls.odometry.drive
@@ -218,18 +231,39 @@ class Engine:
         controls.frame = frame or controls.frame
         seen = frame or reading.scan
         if seen is not None:
-            self._meter.frame(seen.stamp)
-            self._measure(seen)
             self._last_scan = self._last_scan if frame else seen.stamp
+            if not self._resting or seen.stamp >= self._measured + RESTING_PERIOD:
+                self._meter.frame(seen.stamp, rested=self._measured < self._woke)
+                self._measure(seen)
+                self._measured = seen.stamp
         # A robot that has sent scans and never a picture has a laser instead of a camera.
         last = controls.frame.stamp if controls.frame else self._last_scan or 0.0
-        overdue = reading.stamp - last > max(FRAME_OVERDUE, 3 * self._meter.frame_period)
+        silence = reading.stamp - (last if self._resting else max(last, self._woke))
+        patience = max(FRAME_OVERDUE, 3 * self._meter.frame_period)
+        overdue = silence > patience + (RESTING_PERIOD if self._resting else 0.0)
         # A reported fault says more.
         overdue = overdue and controls.follower.needs_camera and not reading.faults
         silent = phrase("The camera sends no pictures.")
         if controls.frame is None and self._last_scan is not None:
             silent = phrase("The laser sends no scans.")
         controls.report("camera", silent if overdue else None)
+
+    def _rest(self, odometry: OdometryState, taken: tuple[Command, ...]) -> None:
+        """Let the camera rest, or wake it."""
+        controls = self.controls
+        if taken:  # it may have moved the robot, or what is believed of it
+            self._standstill = Standstill()
+        stood = self._standstill.seconds(odometry.odom_from_robot, odometry.stamp)
+        self._resting = (
+            stood >= STANDS_S
+            and controls.driving.mode == "idle"
+            and controls.follower.settled
+            and not (self.audience.present or self.every.subscribed)
+        )
+        if self._resting:
+            self._woke = odometry.stamp
+        if isinstance(controls.robot, RestingRobot):
+            controls.robot.resting = self._resting
 
     def _measure(self, seen: Frame | Scan) -> None:
         controls = self.controls

@@ -68,6 +68,11 @@ class Follower:
         return FilterState()
 
     @property
+    def settled(self) -> bool:
+        """Whether more pictures tell it nothing new while the robot stands."""
+        return True
+
+    @property
     def fault(self) -> str | None:
         """Why the robot has to stand still: a fault of an own model; None if it may drive."""
         return self.own.fault if self.own else None

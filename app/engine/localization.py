@@ -43,6 +43,7 @@ class Localization(Follower):
         field: Field,
         parameters: LocalizationParameters,
         rng: np.random.Generator,
+        *,
         own: OwnModels | None = None,
         entries: EntryField | None = None,
         start: tuple[Hypothesis, ...] = (),
@@ -147,6 +148,11 @@ class Localization(Follower):
         moved = self.belief.moved(odom_from_robot) if self.belief else Pose2()
         claim = propagate_claim(self.integrity, moved)
         return replace(claim, alerts=self.remarks + claim.alerts) if self.remarks else claim
+
+    @property
+    def settled(self) -> bool:
+        """Whether more pictures tell the filter nothing new while the robot stands."""
+        return not (self.belief is None or self.by_hand.enabled or self.localizer.waits)
 
     def note(self, odom_from_robot: Pose2) -> None:
         """Note the present odometry pose, before commands that may set the filter's pose."""

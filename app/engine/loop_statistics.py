@@ -28,9 +28,9 @@ class LoopMeter:
             self._period = _smooth(self._period, clock - self._begun)
         self._begun = clock
 
-    def frame(self, stamp: float) -> None:
-        """Note a picture that was exposed at a stamp [s]."""
-        if self._frame_stamp is not None and stamp > self._frame_stamp:
+    def frame(self, stamp: float, *, rested: bool = False) -> None:
+        """Note a picture that was exposed at a stamp [s]; one after a rest tells no rate."""
+        if self._frame_stamp is not None and stamp > self._frame_stamp and not rested:
             self.frame_period = _smooth(self.frame_period, stamp - self._frame_stamp)
         self._frame_stamp = stamp
 

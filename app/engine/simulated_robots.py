@@ -49,14 +49,14 @@ def _built(
         name,
         spec,
         blueprint.field,
-        world,
-        encoders,
-        settings.camera,
-        rng,
-        factory,
-        true.floor_view,
-        None if settings.imperfections.bump == "none" else bump,
-        blueprint.wait,
+        world=world,
+        encoders=encoders,
+        camera=settings.camera,
+        rng=rng,
+        factory=factory,
+        view=true.floor_view,
+        bump=None if settings.imperfections.bump == "none" else bump,
+        wait=blueprint.wait,
     )
 
 

@@ -16,6 +16,7 @@ from starlette.websockets import WebSocket
 
 from app.engine.mailboxes.latest import Latest
 from app.engine.mailboxes.websocket_writer import WebsocketWriter
+from app.engine.rest import Audience
 from app.engine.snapshot import Snapshot
 from app.messages.telemetry import EdgesMessage, PictureMessage
 from app.page.telemetry import tape_width
@@ -43,8 +44,11 @@ class _Picture:
 class CameraStream:
     """Encodes each picture once for all viewers."""
 
-    def __init__(self, latest: Latest[Snapshot], stopping: threading.Event) -> None:
+    def __init__(
+        self, latest: Latest[Snapshot], stopping: threading.Event, audience: Audience
+    ) -> None:
         self._latest = latest
+        self._audience = audience
         self._stopping = stopping
         self._encoded: _Picture | None = None
         self._lock = anyio.Lock()
@@ -79,7 +83,7 @@ class CameraStream:
                 return
 
     async def _pictures(self) -> AsyncIterator[_Picture]:
-        with self._latest.subscribe() as subscription:
+        with self._audience.joined(), self._latest.subscribe() as subscription:
             shown: Frame | None = None
             while not self._stopping.is_set():
                 newest: Snapshot | None = None

@@ -100,7 +100,7 @@ class _Viewer:
 
     async def send_telemetry(self) -> None:
         """Send the newest snapshot as soon as the last one is sent."""
-        with self._engine.latest.subscribe() as subscription:
+        with self._engine.audience.joined(), self._engine.latest.subscribe() as subscription:
             while await self._outgoing.send(
                 self._live.text(await subscription.next(), self.driver)
             ):

@@ -11,6 +11,7 @@ from fastapi import APIRouter, FastAPI, HTTPException, Request, Response, WebSoc
 
 from app.engine.engine_thread import EngineThread
 from app.engine.program import Program
+from app.engine.rest import Audience
 from app.engine.start_pose.keeping import PoseKeeper
 from app.messages.answers import (
     content,
@@ -62,8 +63,8 @@ def create_app(
             view.close()
 
     app = new_application(program.config, tokens, lifespan, documents)
-    camera = CameraStream(program.engine.latest, thread.stopping)
-    _add_streams(app, view, camera)
+    camera = CameraStream(program.engine.latest, thread.stopping, program.engine.audience)
+    _add_streams(app, view, camera, program.engine.audience)
     app.include_router(state_router(program, thread, (view, keeper), outlets))
     app.include_router(field_router(program))
     app.include_router(faults_router(program))
@@ -72,7 +73,7 @@ def create_app(
     return app
 
 
-def _add_streams(app: FastAPI, view: View, camera: CameraStream) -> None:
+def _add_streams(app: FastAPI, view: View, camera: CameraStream, audience: Audience) -> None:
     @app.get("/camera.jpg", response_class=Response, responses=NO_PICTURE | content("image/jpeg"))
     async def picture() -> Response:
         """One picture of the robot's camera."""
@@ -104,4 +105,5 @@ def _add_streams(app: FastAPI, view: View, camera: CameraStream) -> None:
     @app.websocket("/view")
     @app.websocket("/view/{page}")
     async def follow_view(socket: WebSocket) -> None:
-        await view.serve(socket)
+        with audience.joined():
+            await view.serve(socket)

@@ -111,6 +111,11 @@ class Localizer:
         """Let the next scan count, however little the robot moves."""
         self._forced = True
 
+    @property
+    def waits(self) -> bool:
+        """Whether the next scan counts, however little the robot moves."""
+        return self._forced
+
     def predict(self, odometry: Pose2) -> bool:
         """Move the belief by odometry alone, while scans are paused.
 

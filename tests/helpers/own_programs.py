@@ -54,7 +54,7 @@ def with_own(base: Program, path="", name="Flat", motion="", folder="") -> Progr
     controls = Controls(
         base.robot,
         Odometry(kinematics, base.config.odometry),
-        Localization(scanner, base.field, ONE_CLOUD, np.random.default_rng(0), own),
+        Localization(scanner, base.field, ONE_CLOUD, np.random.default_rng(0), own=own),
         Driving(DriveController(kinematics, base.config.drive), base.config.drive.cmd_vel_timeout),
         base.field.start,
     )

@@ -19,6 +19,11 @@ class Broadcast(Generic[T]):
         self._lock = threading.Lock()
         self._backlogs: tuple[Backlog[T], ...] = ()
 
+    @property
+    def subscribed(self) -> bool:
+        """Whether there is any subscriber."""
+        return bool(self._backlogs)
+
     def put(self, value: T) -> None:
         """Pass a value to every subscriber, without waiting for any of them."""
         for backlog in self._backlogs:

@@ -34,8 +34,8 @@ def localization_of(program, kind, own=None):
         program.field,
         parameters,
         np.random.default_rng(3),
-        own,
-        program.engine.localization.models.entries,
+        own=own,
+        entries=program.engine.localization.models.entries,
     )
 
 

@@ -9,6 +9,7 @@ from engine_runs import kinematic, run
 from starlette.websockets import WebSocket, WebSocketState
 
 from app.engine.mailboxes.latest import Latest
+from app.engine.rest import Audience
 from app.messages.telemetry import PictureMessage
 from app.page.camera_stream import CameraStream
 
@@ -21,7 +22,7 @@ def head(message: bytes) -> PictureMessage:
 def served(*snapshots) -> list[PictureMessage]:
     """What a page gets that stays for as many pictures."""
     latest, messages, gone = Latest(), [], asyncio.Event()
-    stream, left = CameraStream(latest, threading.Event()), iter(snapshots)
+    stream, left = CameraStream(latest, threading.Event(), Audience()), iter(snapshots)
 
     async def send(message):
         if message["type"] == "websocket.send":

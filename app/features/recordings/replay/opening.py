@@ -212,7 +212,14 @@ class _Begin:
                 continue  # a model's file is gone; the page shows which is in use
             own.choose(choice)
         return build_engine(
-            config, self.robot, self.field, self.scanner, own, self.start, parameters, entries
+            config,
+            self.robot,
+            self.field,
+            self.scanner,
+            own=own,
+            begin=self.start,
+            parameters=parameters,
+            entries=entries,
         )
 
 

@@ -1,0 +1,74 @@
+"""Decides when the camera rests: the robot stands, nobody looks, and the filter waits for nothing.
+
+Most of what a standing robot costs is pictures: to draw them (or take them from the camera), to
+scan them, and to check that they still fit. One a second is enough to see that it was moved.
+"""
+
+from __future__ import annotations
+
+import math
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from robot.geometry import Pose2
+
+STANDS_S = 1.0
+"""The camera rests after the robot has stood for this time [s]: the filter has settled by then."""
+STILL_M, STILL_RAD = 0.0005, 0.001
+"""Motion by odometry below which the robot stands; an encoder's step of a Build HAT is 0.5 mm."""
+
+
+class Audience:
+    """Those who look at what the robot sees; any thread may join and leave.
+
+    Whoever makes an engine looks, until ``leave``: tests, evaluations and notebooks call ``step``.
+    """
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._size = 1
+
+    @property
+    def present(self) -> bool:
+        """Whether anybody looks."""
+        return self._size > 0
+
+    def join(self) -> None:
+        """Count one more."""
+        with self._lock:
+            self._size += 1
+
+    def leave(self) -> None:
+        """Count one less."""
+        with self._lock:
+            self._size -= 1
+
+    @contextmanager
+    def joined(self) -> Iterator[None]:
+        """Look until the block ends."""
+        self.join()
+        try:
+            yield
+        finally:
+            self.leave()
+
+
+class Standstill:
+    """Since when the robot stands, by odometry."""
+
+    def __init__(self) -> None:
+        self._pose: Pose2 | None = None
+        self._since = -math.inf
+
+    def seconds(self, odom_from_robot: Pose2, stamp: float) -> float:
+        """Return how long the robot has stood at a stamp [s]; poses come in their order."""
+        pose = self._pose
+        if (
+            pose is None
+            or stamp < self._since
+            or pose.distance_to(odom_from_robot) > STILL_M
+            or abs(pose.turn_to(odom_from_robot)) > STILL_RAD
+        ):
+            self._pose, self._since = odom_from_robot, stamp
+        return stamp - self._since
