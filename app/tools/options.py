@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 
 from app.command_parser import CommandParser
+from app.interruption import interruptible
 from app.options import (
     add_camera,
     add_config,
@@ -30,4 +31,6 @@ def add_doctor(command: CommandParser) -> None:
 def _doctor(parsed: argparse.Namespace) -> int:
     from app.tools.doctor.command import doctor  # noqa: PLC0415
 
-    return doctor(config_from(parsed), parsed.features)
+    config = config_from(parsed)
+    with interruptible():  # a check runs a file in a folder that has to go again
+        return doctor(config, parsed.features)

@@ -10,6 +10,7 @@ from contextlib import suppress
 from pathlib import Path
 
 import pytest
+from course.solutions import ARRAYS
 from laser_office import write_bag, write_map
 from replays import recorded_eight
 from serving import ROOT
@@ -54,6 +55,7 @@ COMMANDS = {
     "emulate-hat": (SCRIPT, ["emulate-hat", "--link", "{tmp}/hat"], 4.0),
     "record": (MODULE, ["record", "{server}", "--out", "{tmp}/out"], 3.0),
     "doctor": (SCRIPT, ["doctor"], 2.0),
+    "check": (MODULE, ["check", "{tmp}/my_filter.py"], 4.0),
     "export": (MODULE, ["export", "ros2", "{tmp}/out"], 2.0),
     "calibrate": (
         MODULE,
@@ -109,6 +111,7 @@ def test_a_signal_at_any_moment_ends_it_at_once_and_cleanly(name, material, tmp_
         folder.mkdir()
         temporary.mkdir()
         (folder / "sweep.toml").write_text(SWEEP)
+        (folder / "my_filter.py").write_text(ARRAYS)
         command = [*start, *(word.format(tmp=folder, **material) for word in words)]
         with subprocess.Popen(
             command,
@@ -136,6 +139,7 @@ def test_a_signal_at_any_moment_ends_it_at_once_and_cleanly(name, material, tmp_
         assert "Traceback" not in err, where
         # What has done its work before the signal comes ends as it would have ended.
         ends_itself = name in (
+            "check",
             "doctor",
             "export",
             "localize",

@@ -13,6 +13,7 @@ from urllib.request import urlopen
 
 import httpx
 import pytest
+from browsing import visit
 from playwright.sync_api import expect
 from serving import ROOT, serving, until
 from websockets.sync.client import connect
@@ -99,7 +100,7 @@ def test_it_adds_a_robot_a_topic_and_a_panel(beside, monkeypatch, browser):
         with browser.new_context() as context:
             page = context.new_page()
             page.route("**/view/**", lambda route: route.fulfill(body="<p>no 3D here</p>"))
-            page.goto(server.url)
+            visit(page, server.url)
             page.locator("#layout-open").click()
             page.locator("[data-panel=tape_seen-tape-rays]").click()
             page.keyboard.press("Escape")

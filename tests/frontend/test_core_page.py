@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from browsing import PATIENCE_MS
+from browsing import PATIENCE_MS, visit
 from playwright.sync_api import Browser, expect
 from serving import serving
 
@@ -26,7 +26,7 @@ def test_the_core_drives_and_is_certain_and_offers_nothing_else(browser: Browser
             "response", lambda answer: missing.append(answer.url) if answer.status >= 400 else None
         )
         page.route("**/view/**", lambda route: route.fulfill(body="<p>no 3D here</p>"))
-        page.goto(server.url)
+        visit(page, server.url)
         page.get_by_role("button", name="Figure-eight").click()
         page.wait_for_function(CERTAIN)
         page.keyboard.press(" ")

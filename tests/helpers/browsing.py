@@ -24,6 +24,12 @@ expect.set_options(timeout=PATIENCE_MS)
 SOFTWARE_GL = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 
 
+def visit(page: Page, address: str) -> None:
+    """Open the dashboard, and wait until it is there: a press before that does nothing."""
+    page.goto(address)
+    page.wait_for_function("window.brickpose?.connected && window.brickpose?.telemetry")
+
+
 def opened(
     browser: Browser, server: ServedProgram, *, width: int, height: int, view: bool, **options
 ) -> Iterator[Page]:

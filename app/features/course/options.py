@@ -7,6 +7,7 @@ from pathlib import Path
 
 from app.command_parser import CommandParser
 from app.features.lab.evaluate_options import add_workers
+from app.interruption import interruptible
 from app.options import config_from
 from app.page.run_options import add_serving
 
@@ -82,4 +83,5 @@ def _check(parsed: argparse.Namespace) -> int:
     # Imported here, so that other commands start without it.
     from app.features.course.check_command import check  # noqa: PLC0415
 
-    return check(parsed)
+    with interruptible():
+        return check(parsed)
