@@ -69,6 +69,12 @@ class ServedProgram:
                 ticks += int(fields[11]) + int(fields[12])
         return ticks / os.sysconf("SC_CLK_TCK")
 
+    def processor_seconds(self) -> float:
+        """Return the processor time of all of its threads, those that ended included [s]."""
+        stat = Path(f"/proc/{self.process.pid}/stat").read_text()
+        fields = stat.rpartition(")")[2].split()
+        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
     def memory_mb(self) -> float:
         """Return the memory that it holds (resident set) [MB]."""
         status = Path(f"/proc/{self.process.pid}/status").read_text()

@@ -1,4 +1,4 @@
-"""Benchmark of the start, with everything already compiled: time to the page, and memory."""
+"""Benchmark of a start with everything compiled, and of what a robot costs that stands."""
 
 from __future__ import annotations
 
@@ -14,39 +14,49 @@ RUNS = 3
 
 ROBOTS = ("kinematic", "sim")
 
+STANDS_S = 20.0
+"""Time for which a robot at rest is watched [s]."""
 TELEMETRY = 300
 """Messages after which all is loaded that a robot at rest needs."""
 
 
 def measure() -> Result:
-    """Measure the time from ``brickpose run`` to the first page, and to a robot that answers."""
-    pages, robots = zip(*(_start() for _ in range(RUNS)), strict=True)
+    """Measure ``brickpose run`` up to the first page and to a robot that answers; then at rest."""
+    pages, processor, robots = zip(*(_start() for _ in range(RUNS)), strict=True)
+    resting = {robot: _at_rest(robot) for robot in ROBOTS}
     return Result(
         unit="s to the first page",
         brickpose=float(np.median(pages)),
         more={
+            "to the first page, of a processor [s]": float(np.median(processor)),
             "to the first telemetry [s]": float(np.median(robots)),
-            **{f"memory, {robot} [MB]": _memory_mb(robot) for robot in ROBOTS},
+            **{f"memory, {robot} [MB]": memory for robot, (memory, _) in resting.items()},
+            **{f"share of a core, {robot} [%]": share for robot, (_, share) in resting.items()},
         },
     )
 
 
-def _start() -> tuple[float, float]:
+def _start() -> tuple[float, float, float]:
+    """Return the time to the page by the clock and of a processor, and to a robot [s]."""
     start = time.perf_counter()
     with server() as running:
         _wait_for(running.url + "/")
-        page = time.perf_counter() - start
+        page, processor = time.perf_counter() - start, running.processor_seconds()
         _wait_for(running.url + "/api/state")
-        return page, time.perf_counter() - start
+        return page, processor, time.perf_counter() - start
 
 
-def _memory_mb(robot: str) -> float:
-    """Memory of a program that stands, with nobody at its page [MB]."""
+def _at_rest(robot: str) -> tuple[float, float]:
+    """Memory [MB] and share of a core [%] of a robot that stands, with nobody at its page."""
     with server("--robot", robot) as running:
         with running.live() as live:
             for _ in range(TELEMETRY):
                 telemetry(live)
-        return running.memory_mb()
+        time.sleep(2.0)  # until the last viewer's work is done, and the camera rests
+        before, start = running.processor_seconds(), time.perf_counter()
+        time.sleep(STANDS_S)
+        share = (running.processor_seconds() - before) / (time.perf_counter() - start)
+        return running.memory_mb(), 100 * share
 
 
 def _wait_for(address: str) -> None:
