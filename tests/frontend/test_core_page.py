@@ -31,14 +31,16 @@ def test_the_core_drives_and_is_certain_and_offers_nothing_else(browser: Browser
         page.wait_for_function(CERTAIN)
         page.keyboard.press(" ")
         page.wait_for_function("window.brickpose.telemetry.mode === 'idle'")
-        for name in (
-            "record",
-            "recordings-open",
-            "calibration-open",
-            "mapping-open",
-            "camera-lens",
+        for absent in (
+            "#record",
+            "#recordings-open",
+            "#calibration-open",
+            "#mapping-open",
+            "#camera-lens",
+            "#by-hand",
+            "button[data-tool=ask]",
         ):
-            expect(page.locator(f"#{name}")).to_be_hidden()
+            expect(page.locator(absent)).to_be_hidden()
         expect(page.locator("#toasts")).to_be_empty()
     assert not complaints
     assert not missing
