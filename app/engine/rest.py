@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -17,6 +18,8 @@ STANDS_S = 1.0
 """The camera rests after the robot has stood for this time [s]: the filter has settled by then."""
 STILL_M, STILL_RAD = 0.0005, 0.001
 """Motion by odometry below which the robot stands; an encoder's step of a Build HAT is 0.5 mm."""
+VISIT_S = 2.0
+"""Who asked for one picture or state is taken to look for this time [s], as most ask again."""
 
 
 class Audience:
@@ -28,11 +31,16 @@ class Audience:
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._size = 1
+        self._visited = -math.inf
 
     @property
     def present(self) -> bool:
         """Whether anybody looks."""
-        return self._size > 0
+        return self._size > 0 or time.monotonic() - self._visited < VISIT_S
+
+    def visit(self) -> None:
+        """Look for a moment."""
+        self._visited = time.monotonic()
 
     def join(self) -> None:
         """Count one more."""

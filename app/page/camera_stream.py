@@ -55,6 +55,7 @@ class CameraStream:
 
     async def picture(self) -> Response:
         """Return the newest picture, or status 503 before the first."""
+        self._audience.visit()
         latest = self._latest.get()
         if latest is None or latest.frame is None:
             raise HTTPException(503, "The camera has sent no picture yet.")

@@ -58,6 +58,7 @@ def state_router(
     @router.get("/api/state", responses=refusal(503, "before the first tick"))
     def state() -> TelemetryMessage:
         """The newest telemetry."""
+        engine.audience.visit()
         latest = engine.latest.get()
         if latest is None:
             raise HTTPException(503, engine.failure or "The robot has not answered yet.")

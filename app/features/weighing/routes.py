@@ -71,6 +71,7 @@ def weighing_router(program: Program) -> APIRouter:
 
 def _newest(program: Program) -> tuple[Snapshot, Weighing]:
     """Return the newest snapshot, and how particles are weighed in it."""
+    program.engine.audience.visit()
     latest = program.engine.latest.get()
     if latest is None or latest.filter.weighing is None:
         raise HTTPException(503, "The camera has sent no picture yet.")

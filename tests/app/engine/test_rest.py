@@ -8,7 +8,7 @@ import pytest
 from engine_runs import kinematic
 
 from app.engine.program import Program
-from app.engine.rest import STILL_M, Audience, Standstill
+from app.engine.rest import STILL_M, VISIT_S, Audience, Standstill
 from app.messages.commands import PlaceCommand, SetPoseCommand
 from app.messages.driving_commands import DriveCommand
 from robot.geometry import Pose2
@@ -97,6 +97,18 @@ def test_a_camera_that_fails_while_it_rests_is_told_a_second_later(resting, monk
     monkeypatch.setattr(resting.robot, "_frame", lambda: None)
     told = [shown.stamp for shown in seconds(resting, 4) if shown.problems.present]
     assert told[0] - resting.engine.controls.frame.stamp < RESTING_PERIOD + 0.6
+
+
+def test_who_asks_once_looks_for_a_moment(monkeypatch) -> None:
+    clock = [100.0]
+    monkeypatch.setattr("app.engine.rest.time.monotonic", lambda: clock[0])
+    audience = Audience()
+    audience.leave()
+    assert not audience.present
+    audience.visit()
+    assert audience.present
+    clock[0] += VISIT_S
+    assert not audience.present
 
 
 def test_audiences_come_and_go() -> None:

@@ -116,6 +116,7 @@ class LensDesk:
         """Carry out requests and examine pictures while this socket holds the lock."""
         async with self._turn:
             while True:
+                self._program.engine.audience.visit()
                 due = anyio.current_time() + PERIOD_S
                 while self._asked:
                     await self._carry_out(self._asked.popleft())
