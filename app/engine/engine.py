@@ -78,6 +78,8 @@ class Engine:
         self._companions = companions or Companions()
         self._meter = LoopMeter()
         self._standstill = Standstill()
+        robot = controls.robot
+        self._resting_robot = robot if isinstance(robot, RestingRobot) else None
         self._resting = False
         """Whether the camera rests."""
         self._woke = 0.0
@@ -262,8 +264,8 @@ class Engine:
         )
         if self._resting:
             self._woke = odometry.stamp
-        if isinstance(controls.robot, RestingRobot):
-            controls.robot.resting = self._resting
+        if self._resting_robot is not None:
+            self._resting_robot.resting = self._resting
 
     def _measure(self, seen: Frame | Scan) -> None:
         controls = self.controls
