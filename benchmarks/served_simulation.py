@@ -29,8 +29,9 @@ def served_simulation() -> Iterator[tuple[str, RealTime]]:
     thread = threading.Thread(target=server.run, args=(listening,), name="server")
     thread.start()
     try:
-        time.sleep(WARM_UP_S)
-        yield f"127.0.0.1:{listening.getsockname()[1]}", pace
+        with program.engine.audience.joined():  # or the camera rests while there are no clients
+            time.sleep(WARM_UP_S)
+            yield f"127.0.0.1:{listening.getsockname()[1]}", pace
     finally:
         server.stop()
         thread.join(10)

@@ -579,7 +579,10 @@ export interface LensStartRequest {
   board: BoardMessage;
 }
 
-/** Progress of a calibration; sent after each picture to all clients that may drive. */
+/**
+ * Progress of a calibration, by the WebSocket ``/api/lens``, which takes the requests as well. It
+ * is sent after each picture to all clients that may drive.
+ */
 export interface LensStatusMessage {
   type: "lens";
   /** The board that is searched for; null before the start. */

@@ -203,6 +203,7 @@ class SimulatedRobot:
 
     def place(self, pose: Pose2) -> None:
         """Place the robot at a pose in the map, at rest; frames not yet delivered are lost."""
+        self._drawn = -math.inf
         self._world.place(pose)
         self._past.forget()
         self._remember()
@@ -216,6 +217,7 @@ class SimulatedRobot:
 
     def change(self, settings: SimSettings) -> None:
         """Change camera and imperfections; the robot goes on where it is."""
+        self._drawn = -math.inf
         view = self._change_robot(settings.imperfections)
         self._settings = settings.camera
         rng = copy.deepcopy(self._rng)

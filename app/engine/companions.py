@@ -22,7 +22,8 @@ class Companion(Protocol):
     """Goes along with one engine, in its thread: long work belongs into another thread.
 
     It may have an attribute ``shown`` besides, a value that nobody changes any more: each
-    ``Snapshot`` has it in ``added``, by the feature's name, for values, topics and telemetry.
+    ``Snapshot`` has it in ``added``, by the feature's name, for values, topics and telemetry. And
+    an attribute ``needs_pictures``: while it is true, the camera does not rest.
     """
 
     def commands(self, odom_from_robot: Pose2, controls: Controls) -> Iterable[Command]:
@@ -35,7 +36,10 @@ class Companion(Protocol):
         ...
 
     def add(self, reading: Reading, controls: Controls) -> None:
-        """Look at a reading, after scanner and filter have used its picture."""
+        """Look at a reading, after scanner and filter have used its picture.
+
+        While the camera rests, they use five pictures a second, and no others.
+        """
         ...
 
     def close(self) -> None:
@@ -80,6 +84,11 @@ class Companions:
                 companion.add(reading, controls)
             except Exception as error:
                 self._leave_out(name, companion, error, controls)
+
+    @property
+    def need_pictures(self) -> bool:
+        """Whether one of them does not let the camera rest."""
+        return any(getattr(companion, "needs_pictures", False) for _, companion in self._each)
 
     def shown(self, controls: Controls) -> Mapping[str, object]:
         """Return what they show of themselves in this tick, by the features' names."""

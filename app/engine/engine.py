@@ -240,9 +240,7 @@ class Engine:
                 self._measured = seen.stamp
         # A robot that has sent scans and never a picture has a laser instead of a camera.
         last = controls.frame.stamp if controls.frame else self._last_scan or 0.0
-        silence = reading.stamp - (last if self._resting else max(last, self._woke))
-        patience = max(FRAME_OVERDUE, 3 * self._meter.frame_period)
-        overdue = silence > patience + (RESTING_PERIOD if self._resting else 0.0)
+        overdue = reading.stamp - last > max(FRAME_OVERDUE, 3 * self._meter.frame_period)
         # A reported fault says more.
         overdue = overdue and controls.follower.needs_camera and not reading.faults
         silent = phrase("The camera sends no pictures.")
@@ -261,6 +259,7 @@ class Engine:
             and controls.driving.mode == "idle"
             and controls.follower.settled
             and not (self.audience.present or self.every.subscribed)
+            and not self._companions.need_pictures
         )
         if self._resting:
             self._woke = odometry.stamp

@@ -152,7 +152,7 @@ class Localization(Follower):
     @property
     def settled(self) -> bool:
         """Whether more pictures tell the filter nothing new while the robot stands."""
-        return not (self.belief is None or self.by_hand.enabled or self.localizer.waits)
+        return self.belief is not None and not self.by_hand.enabled and self.localizer.settled
 
     def note(self, odom_from_robot: Pose2) -> None:
         """Note the present odometry pose, before commands that may set the filter's pose."""

@@ -14,7 +14,7 @@ from app.engine.value import Value
 from app.feature import Feature
 from app.feature_search import Features, failure_of, find_features
 from app.messages.message import CommandMessage, Message
-from app.messages.schema import MESSAGES
+from app.messages.schema import MESSAGES, parts_of
 from app.settings.config import Config
 from robot.errors import BrickPoseError
 from robot.fields.field import Field
@@ -76,13 +76,14 @@ class Plugged:
         companions = tuple((feature.name, make) for make in feature.companions)
         robots = {kind.name: kind for make in feature.robots for kind in make()}
         messages = [message for make in feature.messages for message in make()]
+        collected_rows = collected((*self.rows.values(), *rows))
         _require_new(values, self.values)
-        _require_messages(messages, self.all_messages)
+        _require_messages((*collected_rows, *messages), self.all_messages)
         for name in robots.keys() & self.robots.keys():
             raise ValueError(f"there is a robot {name!r} already")
         return replace(
             self,
-            rows=collected((*self.rows.values(), *rows)),
+            rows=collected_rows,
             values=(*self.values, *values),
             companions=(*self.companions, *companions),
             robots={**self.robots, **robots},
@@ -148,11 +149,13 @@ def _require_new(values: Iterable[Value], known: Iterable[Value]) -> None:
 
 
 def _require_messages(messages: Iterable[object], known: Iterable[type[Message]]) -> None:
-    names = {each.__name__ for each in known}
+    classes: list[type[Message]] = []
     for message in messages:
         if not (isinstance(message, type) and issubclass(message, Message)):
             raise TypeError(f"a message is {message!r}; valid is a class of messages")
-        name = message.__name__
-        if name in names:
+        classes.append(message)
+    names = {each.__name__: each for each in parts_of(known)}
+    for each in parts_of(classes):
+        name = each.__name__
+        if names.setdefault(name, each) is not each:
             raise ValueError(f"there is a message {name} already")
-        names.add(name)

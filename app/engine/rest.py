@@ -1,7 +1,7 @@
 """Decides when the camera rests: the robot stands, nobody looks, and the filter waits for nothing.
 
-Most of what a standing robot costs is pictures: to draw them (or take them from the camera), to
-scan them, and to check that they still fit. One a second is enough to see that it was moved.
+Half of what a standing robot costs is pictures: to draw them in a simulator, to scan them, and to
+check that they still fit. Five a second are enough to see that it was moved.
 """
 
 from __future__ import annotations
@@ -16,8 +16,10 @@ from robot.geometry import Pose2
 
 STANDS_S = 1.0
 """The camera rests after the robot has stood for this time [s]: the filter has settled by then."""
-STILL_M, STILL_RAD = 0.0005, 0.001
-"""Motion by odometry below which the robot stands; an encoder's step of a Build HAT is 0.5 mm."""
+STILL_M, STILL_RAD = 0.001, 0.0049
+"""Motion by odometry below which the robot stands: more than a step of one wheel's encoder on a
+Build HAT (0.25 mm, 0.0044 rad), which may go on and off, and less than what the filter waits for.
+"""
 VISIT_S = 2.0
 """Who asked for one picture or state is taken to look for this time [s], as most ask again."""
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Iterable, Iterator
+from typing import Any, get_args
 
 from pydantic import TypeAdapter
 
@@ -25,6 +25,24 @@ MESSAGES: tuple[type[Message], ...] = (
     FieldMessage, ParameterMessage, ProfileMessage, ProblemsMessage, LanguageMessage,
 )  # fmt: skip
 """What the core sends."""
+
+
+def parts_of(messages: Iterable[type[Message]]) -> Iterator[type[Message]]:
+    """Yield messages, and those that they have inside, each once."""
+    pending, seen = list(messages), set[type[Message]]()
+    while pending:
+        message = pending.pop()
+        if message not in seen:
+            seen.add(message)
+            yield message
+            for field in message.model_fields.values():
+                pending += _messages_in(field.annotation)
+
+
+def _messages_in(annotation: Any) -> list[type[Message]]:
+    if isinstance(annotation, type) and issubclass(annotation, Message):
+        return [annotation]
+    return [message for part in get_args(annotation) for message in _messages_in(part)]
 
 
 def schema(messages: Iterable[type[Message]]) -> dict[str, Any]:

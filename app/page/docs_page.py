@@ -33,9 +33,6 @@ def docs_page(openapi: dict[str, Any]) -> str:
         "and radians, in the map frame; theta from +x, anticlockwise.</p>",
         "<p>The WebSocket <code>/api/camera</code> sends each picture with its scan, as "
         '<a href="#PictureMessage">PictureMessage</a> describes.</p>',
-        "<p>The WebSocket <code>/api/lens</code> sends "
-        '<a href="#LensStatusMessage">LensStatusMessage</a> and takes the requests to calibrate '
-        "the lens.</p>",
         *(_message(name, model) for name, model in schema(plugged().all_messages).items()),
     ]
     return "\n".join(parts)

@@ -57,6 +57,7 @@ def field_router(program: Program) -> APIRouter:
     @router.get("/api/ray/{ray}", responses=NO_PICTURE | refusal(404, "no such ray"))
     def ray_profile(ray: int) -> ProfileMessage:
         """What the scanner saw along one ray of the newest picture, and why it counted or not."""
+        program.engine.audience.visit()
         latest = program.engine.latest.get()
         if latest is None or latest.filter.line_scan is None or latest.filter.scanner is None:
             raise HTTPException(503, "The camera has sent no picture yet.")

@@ -131,9 +131,10 @@ class Running:
 
     def _steps(self) -> list[float]:
         self.program.engine.commands.put(FigureEightCommand(type="figure_eight"))
-        self._pace.busy.clear()
-        time.sleep(SECONDS)
-        return list(self._pace.busy)
+        with self.program.engine.audience.joined():  # or the camera rests where nobody subscribes
+            self._pace.busy.clear()
+            time.sleep(SECONDS)
+            return list(self._pace.busy)
 
     def cpu(self, route: DdsRoute) -> dict[str, float]:
         """Return the processor time by part, as a share of one core."""

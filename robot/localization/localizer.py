@@ -112,9 +112,11 @@ class Localizer:
         self._forced = True
 
     @property
-    def waits(self) -> bool:
-        """Whether the next scan counts, however little the robot moves."""
-        return self._forced
+    def settled(self) -> bool:
+        """Whether more scans tell it nothing while the robot stands."""
+        if self._forced or self._is_due(Pose2()):
+            return False
+        return self.monitor is None or self.monitor.fits_clearly
 
     def predict(self, odometry: Pose2) -> bool:
         """Move the belief by odometry alone, while scans are paused.

@@ -40,6 +40,7 @@ def test_the_core_drives_and_is_certain_and_offers_nothing_else(browser: Browser
             "#by-hand",
             "button[data-tool=ask]",
         ):
+            expect(page.locator(absent)).to_have_count(1)
             expect(page.locator(absent)).to_be_hidden()
         expect(page.locator("#toasts")).to_be_empty()
     assert not complaints

@@ -46,7 +46,7 @@ class ViewLayer(Protocol):
     """What a feature adds to the scene."""
 
     def update(self) -> None:
-        """Show what there is now; called three times a second."""
+        """Show what there is now; called three times a second, while somebody looks."""
         ...
 
 

@@ -24,6 +24,7 @@ def tape_router(program: Program) -> APIRouter:
     @router.get("/api/tape_seen")
     def tape_seen() -> TapeSeenMessage:
         """How many rays there are, and how many of them meet tape."""
+        program.engine.audience.visit()  # the camera does not rest while somebody asks
         snapshot = program.engine.latest.get()
         if snapshot is None or snapshot.filter.line_scan is None:
             raise HTTPException(503, "there is no picture yet")

@@ -10,6 +10,8 @@ from robot.localization.ray_evidence import RayEvidence
 
 NEWEST_SHARE = 0.5
 """Share of a new scan in the running mean of how well scans fit."""
+CLEAR = 0.75
+"""Scans that fit have a mean near 1, the most that one counts; one that does not, halves it."""
 FORGETTING = 0.01
 """Share of the sum of changes that is forgotten with each scan."""
 MOST_CHANGE = 1.5
@@ -33,6 +35,11 @@ class FitCheck:
     def fits(self) -> bool:
         """Whether the last scans fit better at the estimate than at a bad place."""
         return self._mean > 0
+
+    @property
+    def fits_clearly(self) -> bool:
+        """Whether not even the newest scan gives reason to look again."""
+        return self._mean > CLEAR
 
     def observe(
         self, evidence: RayEvidence, rays: Array, pose: Pose2, expected: Pose2 | None = None

@@ -219,6 +219,11 @@ class Monitor:
         self.doubt = replace(self.doubt, fits=self._fit.fits and not self._torn)
         return self._fit.fits
 
+    @property
+    def fits_clearly(self) -> bool:
+        """Whether not even the newest scan gives reason to look again."""
+        return self._fit.fits_clearly
+
     def _follow_tilt(self) -> None:
         """Take a tilt off the next scans, and compare steps anew when it changes.
 

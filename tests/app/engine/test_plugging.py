@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from engine_runs import kinematic, run
 from places import ROOT
+from pydantic import create_model
 
 from app.engine.build import build_on_field, build_program
 from app.engine.command_row import CommandRow
@@ -20,6 +21,7 @@ from app.feature import Feature
 from app.messages.commands import AckMessage, PlaceCommand
 from app.messages.message import CommandMessage, Message
 from app.messages.schema import schema
+from app.messages.telemetry import PoseMessage
 from app.page.docs_page import docs_page
 from app.settings.config import MAPS, Config
 from app.tools.message_types import render
@@ -45,6 +47,17 @@ class OtherStopCommand(CommandMessage):
     """Has a type that is taken."""
 
     type: Literal["stop"]
+
+
+def named_as(known, kind=""):
+    """Another class of messages with the name of one of ours."""
+    if not kind:
+        return create_model(known.__name__, __base__=Message)
+    return create_model(known.__name__, __base__=CommandMessage, type=(Literal["lamp"], ...))
+
+
+def around(inside):
+    return create_model("LampsMessage", __base__=Message, lamps=(list[inside] | None, None))
 
 
 @pytest.fixture(autouse=True)
@@ -98,7 +111,12 @@ def test_a_value_of_a_feature_is_shown_last():
         ({"commands": (lambda: [CommandRow(Value)],)}, "Value is no command"),
         ({"values": (lambda: [Value("mode", lambda _: 1)],)}, "a value 'mode' already"),
         ({"values": (lambda: ["mode"],)}, "valid is a Value"),
-        ({"messages": (lambda: [AckMessage],)}, "a message AckMessage already"),
+        ({"messages": (lambda: [named_as(AckMessage)],)}, "a message AckMessage already"),
+        ({"messages": (lambda: [around(named_as(PoseMessage))],)}, "a message PoseMessage already"),
+        (
+            {"commands": (lambda: [CommandRow(named_as(PlaceCommand, "lamp"))],)},
+            "a message PlaceCommand already",
+        ),
         ({"messages": (lambda: ["lamp"],)}, "valid is a class of messages"),
         ({"commands": (lambda: 1 / 0,)}, "ZeroDivisionError"),
         (

@@ -82,7 +82,10 @@ class LensBarsMessage(Message):
 
 
 class LensStatusMessage(Message):
-    """Progress of a calibration; sent after each picture to all clients that may drive."""
+    """Progress of a calibration, by the WebSocket ``/api/lens``, which takes the requests as well.
+
+    It is sent after each picture to all clients that may drive.
+    """
 
     type: Literal["lens"] = "lens"
     board: BoardMessage | None
