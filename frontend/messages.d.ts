@@ -1,4 +1,4 @@
-// Made from the program's classes of messages by `python -m app.tools.message_types`.
+// Made from the program's classes of messages by `python -m app.tools.typescript`.
 
 export type Command =
   | CalibrateCommand

@@ -92,6 +92,17 @@ class Rig:
             at += 1
         raise AssertionError(f"it never happened; {self.route.failure} {self.route.refused}")
 
+    def having(self, condition):
+        """The first tick so far of which a condition holds, or the next if there is none yet."""
+        checked = 0
+        with self._changed:
+            while True:
+                for snapshot in self.seen[checked:]:
+                    if condition(snapshot):
+                        return snapshot
+                checked = len(self.seen)
+                assert self._changed.wait(WAIT_S), "no more ticks"
+
     def _tick(self, number):
         with self._changed:
             assert self._changed.wait_for(lambda: len(self.seen) > number, WAIT_S), "no more ticks"

@@ -24,7 +24,7 @@ from app.messages.schema import schema
 from app.messages.telemetry import PoseMessage
 from app.page.docs_page import docs_page
 from app.settings.config import MAPS, Config
-from app.tools.message_types import render
+from app.tools.typescript import render
 from robot.errors import CommandError
 from robot.fields.field_loading import load_field
 

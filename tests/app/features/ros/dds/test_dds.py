@@ -70,12 +70,14 @@ def peer(both):
 
 
 def tick(rig, header, stamp_of=lambda snapshot: snapshot.stamp):
-    """The tick whose content has the stamp of a message."""
+    """The tick whose content has the stamp of a message; the message may be here before it."""
     wanted = header.stamp.sec * 10**9 + header.stamp.nanosec
-    stamps = ((snapshot, stamp_of(snapshot)) for snapshot in rig.seen)
-    return next(
-        snapshot for snapshot, at in stamps if at is not None and rig.source.clock.ns(at) == wanted
-    )
+
+    def has_it(snapshot):
+        at = stamp_of(snapshot)
+        return at is not None and rig.source.clock.ns(at) == wanted
+
+    return rig.having(has_it)
 
 
 def arrived(peer, name, **after):

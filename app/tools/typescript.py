@@ -1,6 +1,6 @@
 """TypeScript types of the wire messages, written from their JSON schema.
 
-``python -m app.tools.message_types`` writes ``frontend/messages.d.ts``; with ``--check`` it fails
+``python -m app.tools.typescript`` writes ``frontend/messages.d.ts``; with ``--check`` it fails
 when that file is stale. The page needs no build step: editors read the file through JSDoc.
 """
 
@@ -19,7 +19,7 @@ from app.messages.schema import schema
 from robot.errors import BrickPoseError
 
 TARGET = Path(__file__).parents[2] / "frontend" / "messages.d.ts"
-HEADER = "// Made from the program's classes of messages by `python -m app.tools.message_types`.\n"
+HEADER = "// Made from the program's classes of messages by `python -m app.tools.typescript`.\n"
 PRIMITIVES = {
     "string": "string",
     "number": "number",
@@ -111,7 +111,7 @@ def render(definitions: Mapping[str, Mapping[str, Any]]) -> str:
 
 def main(arguments: list[str] | None = None) -> int:
     """Write the file, or with ``--check`` only compare it; return 1 when it is stale."""
-    parser = argparse.ArgumentParser(prog="python -m app.tools.message_types", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python -m app.tools.typescript", description=__doc__)
     parser.add_argument("--check", action="store_true", help="fail when the file is stale")
     parser.add_argument("--target", type=Path, default=TARGET, help="default: %(default)s")
     options = parser.parse_args(arguments)
@@ -122,7 +122,7 @@ def main(arguments: list[str] | None = None) -> int:
         return 0
     if target.is_file() and target.read_text(encoding="utf-8") == text:
         return 0
-    sys.stderr.write(f"{target} is stale: run python -m app.tools.message_types\n")
+    sys.stderr.write(f"{target} is stale: run python -m app.tools.typescript\n")
     return 1
 
 

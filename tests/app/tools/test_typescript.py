@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from app.engine.plugging import plugged
 from app.messages.schema import schema
-from app.tools.message_types import (
+from app.tools.typescript import (
     PRIMITIVES,
     TARGET,
     SchemaError,
@@ -23,7 +23,7 @@ from app.tools.message_types import (
 
 
 def test_the_types_in_the_repository_are_current() -> None:
-    assert main(["--check"]) == 0, "run python -m app.tools.message_types"
+    assert main(["--check"]) == 0, "run python -m app.tools.typescript"
 
 
 @pytest.mark.parametrize(
