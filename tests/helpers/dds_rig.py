@@ -96,12 +96,14 @@ class Rig:
         """The first tick so far of which a condition holds, or the next if there is none yet."""
         checked = 0
         with self._changed:
-            while True:
+            last = len(self.seen) + round(WAIT_S / PERIOD)
+            while checked < last:
                 for snapshot in self.seen[checked:]:
                     if condition(snapshot):
                         return snapshot
                 checked = len(self.seen)
                 assert self._changed.wait(WAIT_S), "no more ticks"
+        raise AssertionError("no tick is so")
 
     def _tick(self, number):
         with self._changed:
