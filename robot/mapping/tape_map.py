@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -55,6 +56,9 @@ class TapeMap:
     """Where bare floor was seen instead of the map's tape."""
     seen: SeenFloor = field(repr=False)
     """Where the camera has looked."""
+    overrun: Mapping[str, float] = field(default_factory=dict)
+    """Unknowns of a robot that was calibrated along with the map, by name, which the drive has at
+    values that no robot built by hand has, as multiples of the standard deviations of such."""
 
     @property
     def length(self) -> float:
@@ -91,7 +95,8 @@ class TapeMap:
     @property
     def fits(self) -> bool:
         """Whether the map explains what was seen."""
-        return self._edges_lie_on_it and self.moved_at is None and not self.bare.contradicts
+        whole = self.moved_at is None and not self.bare.contradicts and not self.overrun
+        return self._edges_lie_on_it and whole
 
     @property
     def unseen_ends(self) -> Array:
@@ -125,6 +130,12 @@ class TapeMap:
             remarks.append(
                 f"the map does not fit: {100 * self.solution.share:.0f} % of the edges that were "
                 f"seen lie on it, {self.residual:.1f} times as far off as expected"
+            )
+        if self.overrun:
+            much = ", ".join(f"{name} {times:+.0f}" for name, times in self.overrun.items())
+            remarks.append(
+                "its scale may be wrong: the robot that was measured along with it cannot be built "
+                f"so ({much} times what is usual); calibrate the robot on a known field first"
             )
         if self.bare.is_lost:
             remarks.append(

@@ -163,6 +163,29 @@ def test_a_robot_that_nobody_calibrated_draws_by_the_width_of_the_tape() -> None
     assert errors.path < 0.003
 
 
+@pytest.mark.slow
+def test_a_map_whose_scale_went_wrong_says_so_by_the_width_of_the_tape(tmp_path: Path) -> None:
+    corners = arc(600, 2 * math.pi, 7)[:-1].round(1)
+    points = " ".join(f"{x},{y}" for x, y in corners)
+    hexagon = tmp_path / "hexagon.svg"
+    hexagon.write_text(
+        '<svg xmlns="http://www.w3.org/2000/svg" width="2000mm" height="2000mm" '
+        'viewBox="-1000 -1000 2000 2000" data-start="-100 0 0"><title>Hexagon</title>'
+        f'<polygon points="{points}" fill="none" stroke="#202225" stroke-width="50"/></svg>'
+    )
+    drawn, poses = mapped(str(hexagon), 9003, "hand-built", calibrate=True)
+    ways = [
+        np.linalg.norm(np.diff(path[:, :2], axis=0), axis=1).sum()
+        for path in (drawn.solution.state.poses, poses)
+    ]
+    if abs(ways[0] / ways[1] - 1) > 0.01:
+        assert not drawn.fits
+        assert abs(drawn.overrun["tape_width"]) > 3
+        assert "its scale may be wrong" in drawn.remarks[0]
+    else:
+        assert drawn.fits
+
+
 def test_tape_that_looks_the_same_when_moved_is_not_steady() -> None:
     angles = np.linspace(0, 2 * math.pi, 40, endpoint=False)
     circle = Stroke(np.column_stack([np.cos(angles), np.sin(angles)]), curved=True, closed=True)

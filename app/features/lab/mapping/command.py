@@ -72,7 +72,9 @@ def map_recording(
     for line in [*drawn.facts, *drawn.remarks]:
         say(line)
     options = f"--map {out}"
-    if profile is not None:
+    if profile is not None and drawn.overrun:
+        say(f"no profile is written to {profile}")
+    elif profile is not None:
         measured = profile_of_map(drawn, spec, f"a map from {recording.name}")
         write_profile(profile, measured)
         for line in unknown_lines(measured.values, measured.sd):

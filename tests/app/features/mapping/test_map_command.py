@@ -19,6 +19,7 @@ from robot.fields.field_loading import load_field
 from robot.fields.grid_map import load_map_yaml
 from robot.interface import RobotError
 from robot.localization.estimate import State
+from robot.mapping import mapper
 
 pytestmark = pytest.mark.slow
 
@@ -85,6 +86,20 @@ def test_a_robot_is_calibrated_along_with_the_map(
     np.testing.assert_allclose(own.drive_area, truth.drive_area, atol=0.004)
     measured = load_profile(profile)
     assert abs(measured.values[NAMES.index("camera_pitch")]) < 0.002
+
+
+def test_a_robot_that_cannot_be_built_so_gets_no_profile(
+    recording: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch
+) -> None:
+    monkeypatch.setattr(mapper, "MOST_PRIOR_SD", 1e-6)
+    out, profile = tmp_path / "floor.svg", tmp_path / "robot.toml"
+    arguments = ["map", str(recording), "--out", str(out), "--calibrate", str(profile)]
+    assert main(arguments) == 1
+    shown = capsys.readouterr().out
+    assert "its scale may be wrong" in shown
+    assert f"no profile is written to {profile}" in shown
+    assert "--profile" not in shown
+    assert not profile.exists()
 
 
 def test_a_recording_without_pictures_is_refused(
