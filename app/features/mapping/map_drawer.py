@@ -40,6 +40,8 @@ STANDING_SD = np.array([0.003, 0.003, math.radians(0.5)])
 """Least uncertainty of the pose in a new map [m, m, rad]."""
 DRIFT = np.array([0.05, 0.05, 0.10])
 """... and by how much more for each metre that was driven since [m, m, rad]."""
+FARTHEST_END = 2.0
+"""Tape has an end at most so far from where the robot was [m]: the camera sees half of that."""
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,59}")
 
 
@@ -168,9 +170,16 @@ class MapDrawer:
         """Move the first or last end of a stroke of the finished map to a place [m].
 
         Raises:
-            CommandError: there is no such end, or the map is another one by now.
+            CommandError: there is no such end, the map is another one by now, or the place is
+                where the robot cannot have seen tape.
         """
         point = np.array(place)
+        path = self._done().solution.state.poses[:, :2]
+        away = float(np.linalg.norm(path - point, axis=1).min())
+        if away > FARTHEST_END:
+            raise CommandError(
+                f"that is {away:.1f} m from where the robot was; valid is up to {FARTHEST_END:g} m"
+            )
         self._edit(version, (number,), lambda tidy: with_moved_end(tidy, (number, last), point))
 
     def join_strokes(self, number: int, other: int, version: int) -> None:

@@ -89,6 +89,8 @@ def test_a_stroke_that_is_deleted_is_not_in_the_map(mapped, tmp_path):
     drawer, before = mapped.drawer, mapped.drawer.drawing
     with pytest.raises(CommandError, match="valid is 0 to 3"):
         drawer.delete_stroke(4, before.version)
+    with pytest.raises(CommandError, match=r"m from where the robot was; valid is up to 2 m"):
+        drawer.move_end(0, True, (1000.0, 0.0), before.version)
     drawer.delete_stroke(1, before.version)
     with pytest.raises(CommandError, match="changed meanwhile"):
         drawer.delete_stroke(1, before.version)
