@@ -17,6 +17,7 @@ import yaml
 from numpy.typing import NDArray
 
 from robot.errors import BrickPoseError
+from robot.lfs_pointer import is_lfs_pointer
 from robot.yaml_file import parse_yaml
 
 MAX_YAML_BYTES = 64 << 10
@@ -145,9 +146,12 @@ def _read(path: Path, limit: int) -> bytes:
             raise MapError("there is no such file")
         if path.stat().st_size > limit:
             raise MapError(f"the file has {path.stat().st_size} bytes; valid are up to {limit}")
-        return path.read_bytes()
+        data = path.read_bytes()
     except OSError as error:
         raise MapError(f"the file cannot be read: {error.strerror}") from error
+    if is_lfs_pointer(data):
+        raise MapError("it is where Git LFS keeps the file, not the file; git lfs pull gets it")
+    return data
 
 
 def _number(key: str, value: object) -> float:

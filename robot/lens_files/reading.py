@@ -30,6 +30,7 @@ from robot.lens_files.models import Described, lens_of
 from robot.lens_files.mrcal import is_mrcal, mrcal_lens, without_pictures
 from robot.lens_files.opencv import holds_matrices, opencv_lens, xml_entries
 from robot.lens_files.ros import camera_info_lens, ini_lens, is_ini, is_message, message_lens
+from robot.lfs_pointer import is_lfs_pointer
 from robot.yaml_file import parse_yaml
 
 LARGEST_BYTES = 64 << 10
@@ -92,6 +93,8 @@ def _text(path: Path) -> str:
         data = without_pictures(file.read(LARGEST_BYTES + 1))
     if data[:2] == b"\x1f\x8b" or data[:4] == b"PK\x03\x04":
         raise CameraError("it is an archive; valid is the file in it (of ROS: ost.yaml)")
+    if is_lfs_pointer(data):
+        raise CameraError("it is where Git LFS keeps the file, not the file; git lfs pull gets it")
     if is_colmap_binary(data):
         raise CameraError(BINARY)
     if len(data) > LARGEST_BYTES:

@@ -13,15 +13,19 @@ import numpy as np
 import pytest
 from simulators import require_engine
 
+from app.engine.build import build_program
+from app.messages.driving_commands import FigureEightCommand
+from app.settings.config import Config
 from robot.description.spec import RobotSpec
 from robot.driving.differential_drive import DifferentialDrive
 from robot.errors import PackageError
 from robot.geometry import Pose2, Twist2
-from sim.bullet import load_pybullet
+from sim.bullet import BulletWorld, load_pybullet
 from sim.engines import LIBRARIES, choose_engine, engine_version, physics_world
 from sim.hat_emulator.physics_wheels import PhysicsWheels
 from sim.mujoco_world import MujocoWorld, load_mujoco
 from sim.physics import ENGINES, GRAVITY, PhysicsSettings
+from sim.simulated import SimSettings
 from sim.world import WorldError
 
 SPEC = RobotSpec.load()
@@ -186,6 +190,64 @@ def test_tyres_that_spin_and_lock_slip_as_coulomb_s_law_says(engine: str, mu: fl
     # Where the tyres slip for moments only, those of MuJoCo grip 12 % too well.
     within = 0.15 if (engine, mu) == ("mujoco", 0.5) else 0.05
     assert driven(engine, STOP_AND_GO, settings).slip == pytest.approx(rolled - x, rel=within)
+
+
+def shove(world: BulletWorld | MujocoWorld, force: float) -> None:
+    """Push the body's centre of mass to the left in the next step [N]."""
+    if isinstance(world, MujocoWorld):
+        root = world._model.body(world._model.jnt_bodyid[0]).id
+        world._data.xfrc_applied[root, 1] = force
+        return
+    centre, _ = world._bullet.getBasePositionAndOrientation(
+        world._robot, physicsClientId=world._client
+    )
+    world._bullet.applyExternalForce(
+        world._robot, -1, [0, force, 0], centre, world._bullet.WORLD_FRAME,
+        physicsClientId=world._client,
+    )  # fmt: skip
+
+
+def pushed(engine: str, force: float, seconds: float) -> Pose2:
+    """Where the robot is after somebody pushed it from its right, while its wheels stood."""
+    world = physics_world(engine, SPEC, Pose2(), PhysicsSettings(friction=0.5))
+    for _ in range(round(seconds / world.step_time)):
+        shove(world, force)
+        world.step(np.zeros(2))
+    shove(world, 0.0)
+    world.step(np.zeros(2), 500)
+    assert abs(world.twist.v) < 1e-3
+    pose = world.pose
+    world.close()
+    return pose
+
+
+@pytest.mark.parametrize("force", [1.0, 4.0, 6.0])
+def test_both_engines_let_it_be_pushed_as_far(force: float) -> None:
+    """The tyres hold against a small push; at a larger one they slide, and the robot turns."""
+    bullet, mujoco = (pushed(engine, force, 0.3) for engine in both())
+    assert (bullet.y > 0.05) == (force > 2)
+    assert bullet.y == pytest.approx(mujoco.y, rel=0.12, abs=0.001)
+    assert abs(bullet.turn_to(mujoco)) < 0.5
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_the_same_seed_and_engine_make_the_same_run_bit_for_bit(engine: str) -> None:
+    require_engine(engine)
+
+    def run() -> list[tuple[object, ...]]:
+        config = Config(robot="sim", map="square", seed=7, sim=SimSettings(engine=engine))
+        program = build_program(config)
+        shown = []
+        for _ in range(150):
+            program.engine.commands.put(FigureEightCommand(type="figure_eight"))
+            tick = program.engine.step()
+            shown.append((tick.truth, tick.odometry, tick.pose, tick.integrity.radius))
+        assert program.robot.engine is not None
+        assert program.robot.engine.startswith(engine)
+        program.robot.close()
+        return shown
+
+    assert run() == run()
 
 
 @pytest.mark.parametrize("engine", ENGINES)

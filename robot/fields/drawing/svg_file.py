@@ -11,6 +11,7 @@ from xml.parsers import expat
 from robot.fields.drawing.selectors import Element, local_name
 from robot.fields.drawing.style_sheets import SPACES
 from robot.fields.drawing.svg_values import SvgError, shown
+from robot.lfs_pointer import is_lfs_pointer
 
 MAX_BYTES = 2 << 20
 MAX_ELEMENTS = 10_000
@@ -32,9 +33,12 @@ def read_bytes(path: Path) -> bytes:
             raise SvgError("there is no such file")
         if path.stat().st_size > MAX_BYTES:
             raise SvgError(f"the file has {path.stat().st_size} bytes; valid are {MAX_BYTES}")
-        return path.read_bytes()
+        data = path.read_bytes()
     except OSError as error:
         raise SvgError(f"the file cannot be read: {error.strerror}") from error
+    if is_lfs_pointer(data):
+        raise SvgError("it is where Git LFS keeps the file, not the file; git lfs pull gets it")
+    return data
 
 
 def parse(data: bytes) -> Element:

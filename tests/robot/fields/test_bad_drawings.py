@@ -59,6 +59,8 @@ def page(content, attributes=""):
         (page(f'<path d="M0 0h100" stroke-dasharray="1e-9" {TAPE}/>'), "dashes"),
         (page(f'<g clip-path="url(#a)"><path d="M0 0h100" {TAPE}/></g>'), "clip-path"),
         (page(f'<path d="M0 0 L oops" {TAPE}/>'), "cannot be read"),
+        (page(f'<path d="M200 abc" {TAPE}/>'), "cannot be read at 'abc'; valid are commands"),
+        (page(f'<path d="M0 0h9" transform="translate(" {TAPE}/>'), "transform is 'translate('"),
         (page(f'<path d="M0 0 L 1e999 0" {TAPE}/>'), "too large or no number"),
         (page(f'<path d="M0 0 C 1e999 0 0 0 9 9" {TAPE}/>'), "too large or no number"),
         (page(f'<path d="M0 0h100" transform="scale(1e300)" {TAPE}/>'), "too large or no number"),

@@ -8,6 +8,7 @@ import zlib
 from collections.abc import Sequence
 from pathlib import Path
 
+from app.features.recordings.files.file_kinds import other_kind
 from app.trajectories.trajectory import TrajectoryError
 
 LARGEST = 2**28
@@ -26,6 +27,9 @@ def read_text(path: Path) -> str:
     data = _read_bytes(path)
     if len(data) > LARGEST:
         raise TrajectoryError(f"{path} is larger than {LARGEST >> 20} MB; no trajectory is")
+    kind = other_kind(data)
+    if kind is not None and not data.startswith(ZIP):
+        raise TrajectoryError(f"{path} is {kind}; valid is text, a pose a line")
     if data.startswith(ZIP):
         raise TrajectoryError(
             f"{path} is a zip archive or a spreadsheet (.xlsx, .ods); valid is text: unpack it, or "

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from engine_runs import kinematic
 from recordings import record
+from simulators import require_engine
 
 from app.engine.build import build_program
 from app.features.recordings.attachments import SETTINGS, URDF, VERSIONS, as_toml
@@ -19,6 +20,7 @@ from robot.description.spec import RobotSpec
 from robot.fields.field_loading import load_field
 from robot.fields.grid_map import save_map_yaml
 from sim.floor_camera import CameraSettings
+from sim.physics import ENGINES
 from sim.simulated import SimSettings
 
 
@@ -38,6 +40,16 @@ class Lamps:
     bright: list[float] = field(default_factory=list)
     colours: dict[str, str] = field(default_factory=dict)
     rows: list[dict[str, int]] = field(default_factory=list)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_it_says_which_physics_engine_drove(engine):
+    require_engine(engine)
+    program = build_program(Config(robot="sim", sim=SimSettings(engine=engine)))
+    facts = contents_of(program).facts
+    program.robot.close()
+    assert facts["engine"].startswith(f"{engine} ")
+    assert contents_of(kinematic()).facts["engine"] == ""
 
 
 def test_the_settings_can_be_loaded_again(tmp_path):
