@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-BEGINNING = b"version https://git-lfs"
+LFS_POINTER = b"version https://git-lfs"
 
 
 def is_lfs_pointer(data: bytes) -> bool:
     """Return whether bytes are such a pointer, and not the file itself."""
-    return data.startswith(BEGINNING)
+    return data.startswith(LFS_POINTER)

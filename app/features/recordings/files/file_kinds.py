@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from robot.lfs_pointer import LFS_POINTER
+
 MCAP, SQLITE, ROS1_BAG = ".mcap", ".db3", ".bag"
 BAGS = {b"\x89MCAP0\r\n": MCAP, b"SQLite format 3\0": SQLITE, b"#ROSBAG V2.0": ROS1_BAG}
 """First bytes of each kind of bag, with its usual ending."""
@@ -20,7 +22,7 @@ OTHERS = {
     b"PK\x05\x06": "a zip archive with nothing in it",
     b"Rar!": "a rar archive (unrar unpacks it)",
     b"7z\xbc\xaf\x27\x1c": "a 7z archive (7z unpacks it)",
-    b"version https://git-lfs": "where Git LFS keeps the file, not the file (git lfs pull gets it)",
+    LFS_POINTER: "where Git LFS keeps the file, not the file (git lfs pull gets it)",
     b"<!DOCTYPE": "a web page, maybe of where the file can be fetched",
     b"<!doctype": "a web page, maybe of where the file can be fetched",
     b"<html": "a web page, maybe of where the file can be fetched",
