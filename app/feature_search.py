@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from app.feature import Feature, Guest, Panel, Subcommand
 from app.languages.marking import phrase
 from robot.errors import BrickPoseError, one_line
+from robot.localization.filter_kinds import offer_filters
 from robot.settings import SettingError
 
 if TYPE_CHECKING:
@@ -185,6 +186,14 @@ def find_features(without: Sequence[str] = (), taken: Iterable[str] = ()) -> Fea
             loaded[feature.name] = feature
             commands |= {each.name for each in feature.subcommands}
     return Features(tuple(loaded.values()), tuple(failures), tuple(dict.fromkeys(without)))
+
+
+def offer_all_filters() -> None:
+    """Offer the filters of all features, for programs that use a filter and no engine."""
+    kinds, _ = find_features().made(
+        lambda feature: [kind for make in feature.filters for kind in make()]
+    )
+    offer_filters(kinds)
 
 
 def declared() -> Iterator[EntryPoint]:
