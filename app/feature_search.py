@@ -108,6 +108,11 @@ class Features:
                     config = options.apply(config, given)
         return config
 
+    def offer_filters(self) -> None:
+        """Offer the features' filters, so that settings may name them."""
+        kinds, _ = self.made(lambda feature: [kind for make in feature.filters for kind in make()])
+        offer_filters(kinds)
+
     def guests(self, config: Config) -> tuple[Guest, ...]:
         """Return the programs of other sites that may come in by a link.
 
@@ -186,14 +191,6 @@ def find_features(without: Sequence[str] = (), taken: Iterable[str] = ()) -> Fea
             loaded[feature.name] = feature
             commands |= {each.name for each in feature.subcommands}
     return Features(tuple(loaded.values()), tuple(failures), tuple(dict.fromkeys(without)))
-
-
-def offer_all_filters() -> None:
-    """Offer the filters of all features, for programs that use a filter and no engine."""
-    kinds, _ = find_features().made(
-        lambda feature: [kind for make in feature.filters for kind in make()]
-    )
-    offer_filters(kinds)
 
 
 def declared() -> Iterator[EntryPoint]:

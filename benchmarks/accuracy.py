@@ -17,7 +17,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from app.feature_search import offer_all_filters
+from app.feature_search import find_features
 from app.features.lab.evaluation.drives import Drive, Kidnap, random_pose_on_eight, record
 from app.features.lab.evaluation.integrity.oracle import field_decides
 from app.features.lab.trajectories.metrics import rms
@@ -38,7 +38,7 @@ from robot.localization.parameters import FilterParameters, LocalizationParamete
 from sim.floor_camera import CameraSettings
 from sim.simulated import SimSettings
 
-offer_all_filters()
+find_features().offer_filters()
 
 SEEDS = range(12)
 GLOBAL_SEEDS = range(24)
