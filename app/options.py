@@ -11,7 +11,17 @@ from typing import Any
 from app.settings.conditions import apply_condition, condition_names
 from app.settings.config import Config, load_config
 
-OPTIONS = ("robot", "profile", "host", "port", "seed", "sensor_model", "motion_model", "models")
+OPTIONS = (
+    "robot",
+    "profile",
+    "host",
+    "port",
+    "seed",
+    "sensor_model",
+    "motion_model",
+    "models",
+    "one_process",
+)
 """Options that set the top-level settings of the same names."""
 
 START_OPTIONS = ("restore_pose", "pose_file")

@@ -8,18 +8,21 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from app.engine.control import Control
 from app.engine.engine import Engine
 from app.engine.own_models.own_models import OwnChoice
+from app.engine.robot_facts import RobotFacts
 from app.settings.config import Config
 from robot.fields.field import Field
 from robot.interface import Robot
+from sim.simulated import SimSettings
 
 
 @dataclass(frozen=True)
 class Program:
     """The parts of a program that other modules use."""
 
-    engine: Engine
+    engine: Control
     robot: Robot
     field: Field
     config: Config
@@ -36,3 +39,21 @@ class Program:
     """Whether a stop holds that was given to the program before this one."""
     handed_on: Mapping[str, object] = dataclasses.field(default_factory=dict)
     """What features have to know of the program before this one, by their names."""
+
+    @property
+    def facts(self) -> RobotFacts:
+        """What is known of the robot."""
+        return RobotFacts.of(self.robot)
+
+    @property
+    def faults(self) -> SimSettings:
+        """The faults of a simulated robot now."""
+        latest = self.engine.latest.get()
+        return self.config.sim if latest is None or latest.faults is None else latest.faults
+
+
+@dataclass(frozen=True)
+class LocalProgram(Program):
+    """A program whose engine is in this process: whoever has it may step it."""
+
+    engine: Engine

@@ -6,7 +6,7 @@ import argparse
 from functools import partial
 
 from app.console import say
-from app.engine.build import build_program
+from app.control.starting import build_served
 from app.engine.plugging import plug_in, plugged
 from app.engine.robots import resolve_robot, robot_kind
 from app.feature_search import Features
@@ -16,7 +16,6 @@ from app.page.listening import listen
 from app.page.serving import serve, serve_on
 from app.settings.config import Config
 from robot.settings import SettingError
-from sim.real_time import RealTime
 
 
 def run_dashboard(
@@ -49,7 +48,7 @@ def run_dashboard(
         with compiled(config, listening, tokens, front, ready) as start:
             if start is None:
                 return 0
-            program = build_program(config, RealTime())
+            program = build_served(config)
             following = serve(program, start[0], tokens, front, start[1])
     if following is not None:
         serve_on(following, port, tokens, front)

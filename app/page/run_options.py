@@ -46,6 +46,11 @@ def add_serving(run: CommandParser) -> None:
         type=int,
         help=f"seed of everything random (default: {default.seed})",
     )
+    run.add_argument(
+        "--one-process",
+        action="store_true",
+        help="drive the robot in the process that serves the page, as a debugger likes it",
+    )
     add_access(run)
     add_condition(run)
     add_profile(run)

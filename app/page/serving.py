@@ -14,10 +14,11 @@ import uvicorn
 from anyio import from_thread
 
 from app.console import say
+from app.control.remote import RemoteProgram
 from app.engine.build import build_on_field, build_on_map
 from app.engine.engine_thread import EngineThread
 from app.engine.plugging import plugged
-from app.engine.program import Program
+from app.engine.program import LocalProgram, Program
 from app.interruption import Interrupted, deferred
 from app.page.access_options import Front
 from app.page.listening import Listening, listen
@@ -147,6 +148,9 @@ def serve(
 
 
 def _successor(program: Program, name: str, field: Field, place: Hypothesis | None) -> Program:
+    if isinstance(program, RemoteProgram):
+        return program.on_field(name, field, place)
+    assert isinstance(program, LocalProgram)  # a replay has no other map
     if place is None:
         return build_on_field(program, name, field, RealTime())
     return build_on_map(program, name, field, place)

@@ -99,6 +99,9 @@ class Config:
         (),
         "Other sites whose pages may talk to the robot, as http://localhost:5500; null: from files",
     )
+    one_process: bool = setting(
+        False, "Drive the robot in the process that serves the page, as a debugger likes it"
+    )
     seed: int = setting(0, "Seed of everything random", low=0, high=2**32 - 1)
     sensor_model: str = setting("", "A sensor model of your own, as FILE.py:CLASS")
     motion_model: str = setting("", "A motion model of your own, as FILE.py:CLASS")

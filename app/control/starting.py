@@ -1,0 +1,60 @@
+"""Starts a process that controls a robot: by a fork where that is safe, else anew."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import sys
+import threading
+from collections.abc import Sequence
+from multiprocessing.connection import Connection
+
+from app.control.process import control
+from app.control.remote import ControlProcess, RemoteProgram
+from app.engine.build import build_program
+from app.engine.plugging import plugged
+from app.engine.program import Program
+from app.interruption import uninterrupted
+from app.operating_system import children_deaf_to_ctrl_c
+from app.settings.config import Config
+from sim.real_time import RealTime
+
+
+def build_served(config: Config) -> Program:
+    """Build a program to serve: its robot is driven by another process, or here if so set.
+
+    A real robot is active from here on, so the caller must close it.
+
+    Raises:
+        Exception: as ``build_program``.
+    """
+    if config.one_process:
+        return build_program(config, RealTime())
+    return RemoteProgram.of(started(config, plugged().features.left_out))
+
+
+def started(config: Config, without: Sequence[str]) -> ControlProcess:
+    """Start a process that controls the robot of a configuration."""
+    # A fork has all modules at once, and shares their memory; but of several threads it has one,
+    # and what the others had locked stays locked.
+    forks = sys.platform == "linux" and threading.active_count() == 1
+    context = multiprocessing.get_context("fork" if forks else "spawn")
+    ours, theirs = context.Pipe()
+    work = _forked if forks else control
+    arguments = (ours, theirs, config, without) if forks else (theirs, config, without)
+    process = context.Process(target=work, args=arguments, name="control", daemon=True)
+    with uninterrupted(), children_deaf_to_ctrl_c():
+        process.start()
+    theirs.close()  # so that the pipe ends with the process
+    return ControlProcess(process, ours)
+
+
+def _forked(
+    servers: Connection, connection: Connection, config: Config, without: Sequence[str]
+) -> None:
+    """Control a robot, in a fork: what the server has open is not for this process."""
+    servers.close()
+    mine = connection.fileno()
+    os.closerange(3, mine)
+    os.closerange(mine + 1, os.sysconf("SC_OPEN_MAX"))
+    control(connection, config, without)
