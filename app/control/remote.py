@@ -1,8 +1,9 @@
-"""RemoteProgram: a program whose robot is driven by another process, as page and features see it."""
+"""RemoteProgram: a program whose robot another process drives, as page and features see it."""
 
 from __future__ import annotations
 
 import gc
+import math
 import pickle
 import signal
 import threading
@@ -43,12 +44,14 @@ class ControlProcess:
         self._parts = PartsReader()
         self._sending = threading.Lock()
 
-    def read(self) -> Any:
-        """Return the next message.
+    def read(self, timeout: float | None = None) -> Any:
+        """Return the next message; None if none comes within ``timeout`` [s].
 
         Raises:
             OSError, EOFError: the process has ended.
         """
+        if not self.connection.poll(timeout):
+            return None
         return self._parts.read(self.connection.recv_bytes())
 
     def send(self, order: object) -> None:
@@ -78,10 +81,14 @@ class ControlProcess:
         with suppress(OSError):
             self.connection.close()
         self.process.join(PATIENCE_S)
+        self.kill()
+        return _ending(self.process.exitcode)
+
+    def kill(self) -> None:
+        """End the process at once, if it has not ended; a real robot then stops by itself."""
         if self.process.exitcode is None:
             self.process.kill()
             self.process.join()
-        return _ending(self.process.exitcode)
 
 
 class RemoteControl(Control):
@@ -91,6 +98,7 @@ class RemoteControl(Control):
         super().__init__(begun.facts.spec, begun.scanner)
         self._process = process
         self._hangs: str | None = None
+        self._count = 0
 
     def run(self, stop: threading.Event) -> None:
         """Take snapshots until ``stop`` is set; the process then stops its robot and ends."""
@@ -112,37 +120,36 @@ class RemoteControl(Control):
         return self._hangs
 
     def _follow(self, stop: threading.Event) -> None:
-        asked: float | None = None
-        count = 0
-        connection = self._process.connection
-        while True:
-            if stop.is_set() and asked is None:
+        """Take what comes until the loop has ended; ask for its end when ``stop`` is set."""
+        asked = math.inf
+        while time.monotonic() - asked < PATIENCE_S:
+            if stop.is_set() and asked == math.inf:
                 asked = time.monotonic()
                 self._process.send(Stop(self.handed_over))
-            if asked is not None and time.monotonic() - asked > PATIENCE_S:
-                LOG.error("control did not end within %g s", PATIENCE_S)
-                return
             try:
-                if not connection.poll(LOOK_S):
-                    continue
-                message = self._process.read()
+                message = self._process.read(LOOK_S)
             except (OSError, EOFError):
                 ending = self._process.end()
                 self._fail(phrase(f"The process that controls the robot has ended: {ending}."))
                 return
-            if isinstance(message, Snapshot):
-                self._hangs = None
-                self.publish(message)
-                count += 1
-                if count == WARM_UP_SNAPSHOTS:
-                    gc.freeze()
-            elif isinstance(message, Hangs):
-                self._hangs = message.where
-            elif isinstance(message, Ended):
+            if isinstance(message, Ended):
                 self.failure = message.failure
-                if asked is None and message.failure is None:
+                if asked == math.inf and message.failure is None:
                     self._fail(phrase("The process that controls the robot was asked to end."))
                 return
+            self._take(message)
+        LOG.error("control did not end within %g s", PATIENCE_S)
+        self._process.kill()
+
+    def _take(self, message: Snapshot | Hangs | None) -> None:
+        if isinstance(message, Snapshot):
+            self._hangs = None
+            self.publish(message)
+            self._count += 1
+            if self._count == WARM_UP_SNAPSHOTS:
+                gc.freeze()
+        elif message is not None:
+            self._hangs = message.where
 
     def _fail(self, message: str) -> None:
         LOG.error("%s", message)
@@ -222,7 +229,11 @@ class RemoteProgram(Program):
         return self.known
 
     def on_field(self, name: str, field: Field, place: Hypothesis | None) -> RemoteProgram:
-        """Return the next program, on another field, after this one has handed its robot over."""
+        """Return the next program, on another field, after this one has handed its robot over.
+
+        Raises:
+            Exception: whatever there is against it.
+        """
         self.process.send(Follow(name, field, place))
         return RemoteProgram.of(self.process)
 

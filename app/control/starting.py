@@ -20,24 +20,28 @@ from app.settings.config import Config
 from sim.real_time import RealTime
 
 
-def build_served(config: Config) -> Program:
+def build_served(config: Config, *, alone: bool = False) -> Program:
     """Build a program to serve: its robot is driven by another process, or here if so set.
 
     A real robot is active from here on, so the caller must close it.
+
+    Args:
+        config: everything that can be set.
+        alone: no other thread was begun in this process yet, also none of a library: then the
+            process may be a fork, which has all modules at once and shares their memory. Of
+            several threads a fork has one, and what the others had locked stays locked.
 
     Raises:
         Exception: as ``build_program``.
     """
     if config.one_process:
         return build_program(config, RealTime())
-    return RemoteProgram.of(started(config, plugged().features.left_out))
+    forks = alone and sys.platform == "linux" and threading.active_count() == 1
+    return RemoteProgram.of(started(config, plugged().features.left_out, forks=forks))
 
 
-def started(config: Config, without: Sequence[str]) -> ControlProcess:
+def started(config: Config, without: Sequence[str], *, forks: bool = False) -> ControlProcess:
     """Start a process that controls the robot of a configuration."""
-    # A fork has all modules at once, and shares their memory; but of several threads it has one,
-    # and what the others had locked stays locked.
-    forks = sys.platform == "linux" and threading.active_count() == 1
     context = multiprocessing.get_context("fork" if forks else "spawn")
     ours, theirs = context.Pipe()
     work = _forked if forks else control

@@ -128,7 +128,7 @@ class Engine(Control):
         self.latest.put(last.failed(self.controls.problems.shown))
 
     def run(self, stop: threading.Event) -> None:
-        """Step until ``stop`` is set; close the robot whatever happens, unless it is handed over."""
+        """Step until ``stop`` is set; the robot is then closed, or handed over."""
         self.audience.leave()  # whoever made the engine
         try:
             for count in itertools.count():

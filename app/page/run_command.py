@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 from functools import partial
 
+import cv2
+
 from app.console import say
 from app.control.starting import build_served
 from app.engine.plugging import plug_in, plugged
@@ -32,6 +34,7 @@ def run_dashboard(
     Raises:
         SettingError: an option has no effect with this robot, or a setting is invalid.
     """
+    cv2.setNumThreads(1)  # its threads would not be in a fork, and one picture needs none
     features = plug_in(features)
     for failure in features.failures:
         say(failure)
@@ -48,7 +51,7 @@ def run_dashboard(
         with compiled(config, listening, tokens, front, ready) as start:
             if start is None:
                 return 0
-            program = build_served(config)
+            program = build_served(config, alone=True)
             following = serve(program, start[0], tokens, front, start[1])
     if following is not None:
         serve_on(following, port, tokens, front)
