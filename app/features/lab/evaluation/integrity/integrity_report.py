@@ -91,16 +91,6 @@ def trade_curve(figure: Figure, diagrams: Mapping[str, Stanford]) -> None:
     figure.legend(loc="outside right upper", frameon=False, fontsize=7)
 
 
-def place_diagram(stanford: Stanford) -> str:
-    """Draw the diagram of positions [mm]."""
-    return stanford_diagram(stanford.place, PLACE_BINS, "mm", 1e3, "place")
-
-
-def heading_diagram(stanford: Stanford) -> str:
-    """Draw the diagram of headings [degree]."""
-    return stanford_diagram(stanford.heading, HEADING_BINS, "degrees", math.degrees(1.0), "heading")
-
-
 @svg_figure(5.6, 2.0)
 def drive_plot(
     figure: Figure, numbers: Mapping[str, Array], certain: Mask, carry_stamp: float | None
@@ -178,8 +168,10 @@ def report(shown: IntegrityResults) -> str:
         groups=results["summary"]["groups"],
         causes=results["summary"]["causes"],
         cause_names=[*map(str, Cause), NO_ALERT],
-        place=place_diagram(whole),
-        heading=heading_diagram(whole),
+        place=stanford_diagram(whole.place, PLACE_BINS, "mm", 1e3, "place"),
+        heading=stanford_diagram(
+            whole.heading, HEADING_BINS, "degrees", math.degrees(1.0), "heading"
+        ),
         panels=condition_diagrams(ordered),
         trade=trade_curve(ordered),
         unavailable=whole.unavailable,
