@@ -13,14 +13,12 @@ import numpy as np
 from robot.covariance import inverse
 from robot.localization.estimate import Hypothesis
 from robot.localization.filter import Setup
-from robot.localization.scan_matching import GATE_SDS, ScanMatcher
+from robot.localization.scan_matching import GATE_SDS, SLOPE, ScanMatcher
 from robot.scan import Scan, rays_of
 
 FEWEST_BEAMS = 100
 """At least this many rays of a scan are used, if it has them: they cost little here, and each one
 improves the pose."""
-SLOPE = 25.0
-"""Growth of a range's spread with its square [1/m²]: one over the square of the camera's height."""
 NEAR_SHARE = 0.1
 """Spread of a near range as a share of ``sigma_hit``, which also covers the gaps in a cloud."""
 BELIEVED = 16.0
