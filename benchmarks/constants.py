@@ -3,6 +3,7 @@
 ``python -m benchmarks.constants monitor.TORN`` follows the same drives with the constant as it is,
 halved and doubled; ``estimate.ONLY_PLACE=0.9,0.975`` tries these values instead. Each is tried in a
 process of its own, which compiles anew if compiled code may have the constant built in.
+The line ``other random numbers`` tells by how much figures differ by chance.
 """
 
 from __future__ import annotations

@@ -57,7 +57,7 @@ SCALE_SD, SCALE_DOUBTED = 0.008, 0.015
 SAME_TILT = math.radians(0.03)
 """Tilts that differ by less [rad] shift a pose by less than scans do."""
 LEAST_LATE = 0.001
-"""A smaller lateness is not corrected [s]. Half and twice: errors stay within 0.02 mm."""
+"""A smaller lateness is not corrected [s]. Half and twice: the median error is the same."""
 LATE_SURE, LATE_BLEND = 3.0, 0.1
 """Lateness is corrected above this many standard deviations, by this share of a change per scan.
 Half of LATE_SURE: the median error is 1.8 mm instead of 1.4; twice: 1.5. Half and twice of
