@@ -27,10 +27,7 @@ class ModelChoice:
 
 
 class AddedModels:
-    """Models of a feature, one of each kind in use; it overrides what it needs, as these are none.
-
-    The engine's thread calls it; any thread calls ``running``.
-    """
+    """Models of a feature, none by default; the engine's thread calls all but ``running``."""
 
     def __init__(self, problems: Mapping[str, str | None] = MappingProxyType({})) -> None:
         """Offer nothing; ``problems`` say why."""
@@ -64,8 +61,8 @@ class AddedModels:
     def choose(self, choice: ModelChoice | None) -> None:
         """Choose models by name, None those of the start; ``make`` follows."""
 
-    def make(self, parameters: LocalizationParameters, *, anew: bool) -> None:
-        """Make what is chosen, if choice or parameters are others; ``anew`` in any case."""
+    def make(self, parameters: LocalizationParameters, *, fresh: bool) -> None:
+        """Make what is chosen, if choice or parameters are others; ``fresh`` in any case."""
 
     def saved(self, stamp: float, *, at_once: bool) -> bool:
         """Return whether files in use were saved; ``at_once``: the clock [s] may stand."""

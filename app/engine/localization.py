@@ -71,7 +71,7 @@ class Localization(Follower):
         self.paused = False
         self.added = added
         self.parameters = parameters
-        self._make_added(anew=True)
+        self._make_added(fresh=True)
         self.configured = configured or parameters
         """The parameters that ``reset`` restores."""
         self.seconds = 0.0
@@ -287,7 +287,7 @@ class Localization(Follower):
 
     def reload(self) -> None:
         """Load models of features again, and update the filter with the next picture."""
-        self._make_added(anew=True)
+        self._make_added(fresh=True)
         self.use(self.parameters)
         self.localizer.force_update()
 
@@ -295,7 +295,7 @@ class Localization(Follower):
         """Change the parameters; the filter keeps its belief."""
         other = parameters.filter.filter != self.localizer.parameters.filter
         self.parameters = parameters
-        self._make_added(anew=False)
+        self._make_added(fresh=False)
         setup = self._setup()
         if other:
             self.by_hand.switch(None)
@@ -310,9 +310,9 @@ class Localization(Follower):
         self.localizer.use(setup)
         self._monitor.use(setup.evidence)
 
-    def _make_added(self, *, anew: bool) -> None:
+    def _make_added(self, *, fresh: bool) -> None:
         for models in self.added:
-            models.make(self.parameters, anew=anew)
+            models.make(self.parameters, fresh=fresh)
 
     def _believe(self, estimate: Estimate | None, pose: Pose2) -> None:
         if estimate is not None:

@@ -39,6 +39,7 @@ ROOM_WITH_VALUES = "app.engine.values"
 ROOM_WITH_ROBOTS = "app.engine.simulated_robots"
 
 M = TypeVar("M")
+Named = TypeVar("Named", Value, FilterKind)
 T = TypeVar("T")
 
 
@@ -91,11 +92,11 @@ class Plugged:
         messages = [message for make in feature.messages for message in make()]
         filters = [kind for make in feature.filters for kind in make()]
         collected_rows = collected((*self.rows.values(), *rows))
-        _require_new(values, self.values)
+        _require_new("value", Value, values, self.values)
         _require_messages((*collected_rows, *messages), self.all_messages)
         for name in robots.keys() & self.robots.keys():
             raise ValueError(f"there is a robot {name!r} already")
-        _require_filters(filters, (*OURS, *self.filters))
+        _require_new("filter", FilterKind, filters, (*OURS, *self.filters))
         return replace(
             self,
             rows=collected_rows,
@@ -179,24 +180,16 @@ def _of_each(
     return made, failures
 
 
-def _require_new(values: Iterable[Value], known: Iterable[Value]) -> None:
-    names = {value.name for value in known}
-    for value in values:
-        if not isinstance(value, Value):
-            raise TypeError(f"a value is {value!r}; valid is a Value")
-        if value.name in names:
-            raise ValueError(f"there is a value {value.name!r} already")
-        names.add(value.name)
-
-
-def _require_filters(kinds: Iterable[FilterKind], known: Iterable[FilterKind]) -> None:
-    names = {kind.name for kind in known}
-    for kind in kinds:
-        if not isinstance(kind, FilterKind):
-            raise TypeError(f"a filter is {kind!r}; valid is a FilterKind")
-        if kind.name in names:
-            raise ValueError(f"there is a filter {kind.name!r} already")
-        names.add(kind.name)
+def _require_new(
+    hook: str, kind: type[Named], parts: Iterable[Named], known: Iterable[Named]
+) -> None:
+    names = {part.name for part in known}
+    for part in parts:
+        if not isinstance(part, kind):
+            raise TypeError(f"a {hook} is {part!r}; valid is a {kind.__name__}")
+        if part.name in names:
+            raise ValueError(f"there is a {hook} {part.name!r} already")
+        names.add(part.name)
 
 
 def _require_messages(messages: Iterable[object], known: Iterable[type[Message]]) -> None:

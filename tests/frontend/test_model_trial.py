@@ -85,12 +85,12 @@ def test_a_mended_model_is_doubted_no_more(save) -> None:
     parameters = LocalizationParameters()
     path = save(source("a constant"))
     own = OwnModels(FIELDS["square"], sensor=f"{path}:Nonsense")
-    own.make(parameters, anew=True)
+    own.make(parameters, fresh=True)
     assert own.fault is None
     doubt = own.problems["doubtful models"]
     assert doubt is not None and doubt.startswith("mine.py:Nonsense: In ")
     save(GOOD + CLASS)
-    own.make(parameters, anew=True)
+    own.make(parameters, fresh=True)
     assert own.problems["doubtful models"] is None
 
 
@@ -106,7 +106,7 @@ def test_a_fault_is_traced_from_the_users_file_on(save) -> None:
                 return np.zeros(len(poses)) @ poses.point
     """)
     own = OwnModels(FIELDS["square"], sensor=f"{path}:Broken")
-    own.make(LocalizationParameters(), anew=True)
+    own.make(LocalizationParameters(), fresh=True)
     assert own.fault is not None and own.fault.startswith("mine.py line 9: AttributeError")
     first, call, second, line, error = own.trace.splitlines()
     assert (first, second) == ("mine.py line 6, in log_likelihood", "mine.py line 9, in sum_of")

@@ -71,9 +71,9 @@ class NamedModels(AddedModels):
             wanted.motion if wanted.motion in motions else "",
         )
 
-    def make(self, parameters: LocalizationParameters, *, anew: bool) -> None:
+    def make(self, parameters: LocalizationParameters, *, fresh: bool) -> None:
         """Make the chosen models; if nothing has changed, they and their faults stay."""
-        if not anew and self._made_of == (self._names, parameters):
+        if not fresh and self._made_of == (self._names, parameters):
             return
         self._made_of = self._names, parameters
         (sensors, motions), (sensor, motion), field = self._classes, self._names, self._field

@@ -152,19 +152,19 @@ class OwnModels(AddedModels):
         self._sensor.model, self._motion.model = sensor, motion
         self._made_with = parameters
 
-    def make(self, parameters: LocalizationParameters, *, anew: bool) -> None:
-        """Make the chosen models, ``anew`` from their files as they are; ``fault`` has failures.
+    def make(self, parameters: LocalizationParameters, *, fresh: bool) -> None:
+        """Make the chosen models, ``fresh`` from their files as they are; ``fault`` has failures.
 
         If they have just been made with these parameters, they stay, and so do their faults.
         """
-        anew = anew or self._switched
-        if not anew and parameters == self._made_with:
+        fresh = fresh or self._switched
+        if not fresh and parameters == self._made_with:
             return
         self._switched, self._made_with = False, parameters
         field = self._field
         for_sensor = {"field": field, "parameters": parameters.sensor, "edges": field.edges}
-        self._sensor.make(for_sensor, anew=anew)
-        self._motion.make({"parameters": parameters.motion}, anew=anew)
+        self._sensor.make(for_sensor, fresh=fresh)
+        self._motion.make({"parameters": parameters.motion}, fresh=fresh)
 
     def running(self, thread: int | None) -> str | None:
         """Return in words which line of a user's file a thread is running."""

@@ -73,15 +73,15 @@ class Slot(Generic[G]):
         """Return whether the file was saved, so that it is to be made anew."""
         return self._watch is not None and self._watch.saved()
 
-    def make(self, offered: Mapping[str, object], *, anew: bool) -> None:
-        """Make the model, of the file as it was read, or ``anew`` as it is."""
+    def make(self, offered: Mapping[str, object], *, fresh: bool) -> None:
+        """Make the model, of the file as it was read, or ``fresh`` as it is."""
         if self.file is None:
             return
-        if anew:
+        if fresh:
             self._load(self.file)
         if self._class is not None:
             # If it had failed, its new parameters may be the cure.
-            self._make(self.file, self._class, offered, try_out=anew or self.fault is not None)
+            self._make(self.file, self._class, offered, try_out=fresh or self.fault is not None)
 
     def _load(self, file: ModelFile) -> None:
         self._class = None

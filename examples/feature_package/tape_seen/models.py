@@ -37,5 +37,5 @@ class NearTape:
         ends = poses[:, None, :2] + np.stack([cos * x - sin * y, sin * x + cos * y], axis=2)
         apart, _ = self._edges.query(ends, distance_upper_bound=REACH_M)
         variance = SD_M**2 + scan.extra_sd**2
-        fits: Array = -0.5 * np.minimum(apart, REACH_M) ** 2 / variance
-        return fits.sum(axis=1)
+        fits: Array = (-0.5 * np.minimum(apart, REACH_M) ** 2 / variance).sum(axis=1)
+        return fits

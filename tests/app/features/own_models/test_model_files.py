@@ -24,7 +24,7 @@ SCAN = Scan(0.0, np.zeros(3), np.array([0.2, np.inf, 0.3]))
 def loaded(wrap, path, name="Mine"):
     slot = Slot(wrap, Pose2())
     slot.choose(ModelFile(path, name))
-    slot.make(OFFERED, anew=True)
+    slot.make(OFFERED, fresh=True)
     return slot
 
 
@@ -174,7 +174,7 @@ def test_with_the_model_the_files_beside_it_are_read_anew(save, tmp_path):
     slot = loaded(OwnSensor, save(text))
     assert slot.model.log_likelihood(np.zeros((1, 3)), SCAN).tolist() == [13]
     save("LENGTH = 20.0", "parts/inner.py")
-    slot.make(OFFERED, anew=True)
+    slot.make(OFFERED, fresh=True)
     assert slot.model.log_likelihood(np.zeros((1, 3)), SCAN).tolist() == [23]
     # What is installed stays what everybody else has.
     assert sys.modules["numpy"] is np

@@ -114,10 +114,10 @@ def test_what_was_in_use_is_put_back(program):
     before = added.in_use
     parameters = program.engine.localization.parameters
     other = replace(parameters, sensor=replace(parameters.sensor, sigma_hit=0.004))
-    added.make(other, anew=False)
+    added.make(other, fresh=False)
     assert added.in_use != before
     added.put_back(before, parameters)
-    added.make(parameters, anew=False)
+    added.make(parameters, fresh=False)
     assert added.in_use == before
-    added.make(other, anew=False)
+    added.make(other, fresh=False)
     assert added.in_use != before

@@ -207,12 +207,12 @@ def test_what_was_in_use_is_put_back_with_its_parameters(save, with_own):
         replace(parameters, sensor=replace(parameters.sensor, sigma_hit=0.004)),
         own.in_use,
     )
-    own.make(other, anew=False)
+    own.make(other, fresh=False)
     assert own.in_use != before
     own.put_back(before, parameters)
-    own.make(parameters, anew=False)
+    own.make(parameters, fresh=False)
     assert own.in_use == before
-    own.make(other, anew=False)
+    own.make(other, fresh=False)
     assert own.in_use != before
 
 
