@@ -1,4 +1,4 @@
-"""A sensor model, ``near_tape``: a ray fits if it ends near an edge of tape."""
+"""A sensor model, ``near_tape``: a ray fits if it ends near an edge of tape that faces it."""
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -10,8 +10,10 @@ from robot.geometry import Array
 from robot.scan import Scan
 
 STEP_M = 0.005
-REACH_M = 0.05
-SD_M = 0.005
+REACH_M = 0.03
+SD_M = 0.008
+FACING_M = 0.05
+"""An edge that faces away counts as this much farther, twice."""
 
 
 def models(config: Config, field: Field) -> tuple[NamedModels]:
@@ -20,22 +22,27 @@ def models(config: Config, field: Field) -> tuple[NamedModels]:
 
 
 class NearTape:
-    """Rates each ray by the distance between its end and the nearest edge, up to 5 cm."""
+    """Rates each ray by the distance between its end and the nearest edge, up to 3 cm."""
 
     def __init__(self, edges: Array) -> None:
-        lengths = np.hypot(*(edges[:, 2:] - edges[:, :2]).T)
-        points = [
-            np.linspace(edge[:2], edge[2:], 2 + int(length / STEP_M))
-            for edge, length in zip(edges, lengths, strict=True)
-        ]
-        self._edges = cKDTree(np.vstack(points))
+        points = []
+        for begin, end in edges.reshape(-1, 2, 2):
+            length = float(np.hypot(*(end - begin)))
+            along = np.linspace(begin, end, 2 + int(length / STEP_M))
+            dx, dy = FACING_M * (end - begin) / length  # the tape is to the left
+            points.append(np.column_stack([along, np.tile([-dy, dx], (len(along), 1))]))
+        self._points = np.vstack(points)
+        self._edges = cKDTree(self._points)
 
     def log_likelihood(self, poses: Array, scan: Scan) -> Array:
         """Return (n,) for poses (n, 3)."""
         cos, sin = np.cos(poses[:, 2:]), np.sin(poses[:, 2:])
         x, y = scan.points()[::3].T
-        ends = poses[:, None, :2] + np.stack([cos * x - sin * y, sin * x + cos * y], axis=2)
-        apart, _ = self._edges.query(ends, distance_upper_bound=REACH_M)
+        ways = np.stack([cos * x - sin * y, sin * x + cos * y], axis=2)
+        ends = poses[:, None, :2] + ways
+        facing = FACING_M * ways / np.linalg.norm(ways, axis=2, keepdims=True)
+        _, nearest = self._edges.query(np.concatenate([ends, facing], axis=2))
+        apart = np.linalg.norm(self._points[nearest, :2] - ends, axis=2)
         variance = SD_M**2 + scan.extra_sd**2
         fits: Array = (-0.5 * np.minimum(apart, REACH_M) ** 2 / variance).sum(axis=1)
         return fits
