@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from fastapi import APIRouter
 
     from app.command_parser import CommandParser
+    from app.engine.added_models import NewModels
     from app.engine.command_row import CommandRow
     from app.engine.companions import NewCompanion
     from app.engine.compiling.functions import Compiled
@@ -68,6 +69,8 @@ class RunOptions:
     """Adds them to a command's parser; what is not typed has no value."""
     apply: Callable[[Config, Mapping[str, Any]], Config]
     """Returns the settings with what was typed, given by the options' names."""
+    replays: bool = False
+    """Whether ``replay`` has them, too."""
 
 
 @dataclass(frozen=True)
@@ -134,6 +137,9 @@ class Feature:
     drives."""
     companions: tuple[NewCompanion, ...] = ()
     """Each makes what looks at each tick of an engine, and may give commands: ``Companion``s."""
+    models: tuple[NewModels, ...] = ()
+    """Each makes models of sensor and motion, ``AddedModels``, which are chosen by name as ours;
+    their names must be new."""
     outlet: Callable[[Outlets], Outlet] | None = None
     """Makes what runs as long as a program: threads, files, routes, layers of the 3D view, parts of
     telemetry, and what carries out commands outside the engine."""

@@ -84,8 +84,8 @@ class Features:
                     raise FeatureError(failure_of(feature.name, error)) from error
         return made
 
-    def add_run_options(self, parser: ArgumentParser) -> None:
-        """Add the features' options to a command that serves the page with a robot.
+    def add_run_options(self, parser: ArgumentParser, *, replays: bool = False) -> None:
+        """Add the features' options to a command that serves the page with a robot, or a replay.
 
         Raises:
             FeatureError: a feature's own code fails; names it.
@@ -93,7 +93,8 @@ class Features:
         for feature in self.active:
             with _named(feature):
                 for options in feature.run_options:
-                    options.add(parser)
+                    if options.replays or not replays:
+                        options.add(parser)
 
     def with_run_options(self, config: Config, given: Mapping[str, Any]) -> Config:
         """Return the settings with what was typed of the features' options.

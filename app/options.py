@@ -11,7 +11,7 @@ from typing import Any
 from app.settings.conditions import apply_condition, condition_names
 from app.settings.config import Config, load_config
 
-OPTIONS = ("robot", "profile", "host", "port", "seed", "sensor_model", "motion_model", "models")
+OPTIONS = ("robot", "profile", "host", "port", "seed")
 """Options that set the top-level settings of the same names."""
 
 START_OPTIONS = ("restore_pose", "pose_file")
@@ -73,19 +73,6 @@ def add_address(command: argparse.ArgumentParser) -> None:
         "--port",
         type=int,
         help=f"port to listen on; 0 is any free one (default: {default.port})",
-    )
-
-
-def add_own_models(command: argparse.ArgumentParser) -> None:
-    """Add the options for the user's own sensor and motion models."""
-    for kind in ("sensor", "motion"):
-        command.add_argument(
-            f"--{kind}-model",
-            metavar="FILE.py:CLASS",
-            help=f"a {kind} model of your own, read again when it is saved (docs/own_models.md)",
-        )
-    command.add_argument(
-        "--models", metavar="DIR", help="a folder of models of your own, which the page offers"
     )
 
 

@@ -140,8 +140,7 @@ class Engine:
         assert self._applied is not None  # there was a tick
         reading, twist = self._applied
         self._meter.begin()
-        self.controls.localization.own.look_again()
-        self.controls.reload_own_models()
+        self.controls.reload_models(at_once=True)
         odometry = self.controls.odometry.at(reading.stamp)
         self._take(commands, odometry)
         self.controls.stop_while_faulty(connected=reading.connected, faults=reading.faults)
@@ -196,7 +195,7 @@ class Engine:
         _require_sound(reading, len(controls.robot.spec.joints))
         controls.stamp = reading.stamp
         odometry = controls.odometry.update(reading)
-        controls.reload_own_models()
+        controls.reload_models()
         commands += self._companions.commands(odometry.odom_from_robot, controls)
         self._take(commands, odometry)
         self._localize(reading)

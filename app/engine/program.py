@@ -8,8 +8,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from app.engine.added_models import ModelChoice
 from app.engine.engine import Engine
-from app.engine.own_models.own_models import OwnChoice
 from app.settings.config import Config
 from robot.fields.field import Field
 from robot.interface import Robot
@@ -25,8 +25,8 @@ class Program:
     config: Config
     pose_file: Path
     """The file that keeps the pose for the next start."""
-    given: OwnChoice
-    """The user's own models at the start."""
+    given: ModelChoice
+    """Models of features at the start."""
     loop: Callable[[threading.Event], None] | None = None
     """The loop of a replay, which runs until the event is set; None uses the engine's own loop. A
     replay cannot be driven."""

@@ -52,7 +52,7 @@ def field_router(program: Program) -> APIRouter:
         given = program.given
         if latest is None:
             return parameter_messages(configured, configured, given, given)
-        return parameter_messages(latest.filter.parameters, configured, latest.filter.own, given)
+        return parameter_messages(latest.filter.parameters, configured, latest.filter.models, given)
 
     @router.get("/api/ray/{ray}", responses=NO_PICTURE | refusal(404, "no such ray"))
     def ray_profile(ray: int) -> ProfileMessage:

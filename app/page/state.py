@@ -7,7 +7,6 @@ import time
 from fastapi import APIRouter, HTTPException, Response, WebSocket
 
 from app.engine.engine_thread import EngineThread
-from app.engine.own_models.error_messages import running
 from app.engine.program import Program
 from app.engine.start_pose.keeping import PoseKeeper
 from app.languages.marking import phrase
@@ -96,8 +95,9 @@ def _health(
         return "degraded", "The robot has not answered yet."
     silent = time.monotonic() - latest.published
     if silent > STALE_S:
-        where = running(thread.ident)
-        return "degraded", phrase(f"No tick for {silent:.1f} s.") + (f" {where}" if where else "")
+        added = program.engine.controls.follower.added
+        where = [words for models in added if (words := models.running(thread.ident))]
+        return "degraded", " ".join([phrase(f"No tick for {silent:.1f} s."), *where])
     failures = [follower.failure for follower in followers if follower.failure]
     problems = [*latest.problems.present, *program.complaints, *failures, *outlets.failures]
     if problems:

@@ -5,10 +5,11 @@ from typing import Any, Literal
 
 import numpy as np
 import pytest
-from engine_runs import kinematic, run
+from engine_runs import EIGHT, kinematic, run
 from places import ROOT
 from pydantic import create_model
 
+from app.engine.added_models import AddedModels, ModelChoice
 from app.engine.build import build_on_field, build_program
 from app.engine.command_row import CommandRow
 from app.engine.commands import parse, row_of, table
@@ -105,6 +106,48 @@ def test_messages_and_commands_of_a_feature_are_described_for_people_and_for_the
 def test_a_value_of_a_feature_is_shown_last():
     plug_in(lamps(values=(lambda: [Value("lamps", lambda _: 3)],)))
     assert [value.name for value in values()][-1] == "lamps"
+
+
+class Lamps(AddedModels):
+    """Offers sensor models by these names."""
+
+    def __init__(self, *names):
+        super().__init__()
+        self._choice = ModelChoice(sensors=names)
+
+    @property
+    def choice(self):
+        return self._choice
+
+
+@pytest.mark.parametrize(
+    ("made", "words"),
+    [
+        (lambda: [Lamps("beam")], "ValueError: there is a model 'beam' already"),
+        (lambda: [Lamps("differential")], "ValueError: there is a model 'differential' already"),
+        (lambda: ["beam"], "AttributeError: 'str' object has no attribute 'choice'"),
+        (lambda: 1 / 0, "ZeroDivisionError"),
+    ],
+)
+def test_models_that_cannot_be_had_are_named_and_the_robot_drives(made, words):
+    plug_in(lamps(models=(lambda config, field: made(),)))
+    program = kinematic()
+    shown = run(program, 0.3, EIGHT)[-1]
+    (problem,) = shown.problems.present
+    assert problem.startswith(f"The feature lamps cannot be used: {words}")
+    assert (shown.filter.models, shown.mode) == (ModelChoice(), "figure_eight")
+
+
+def test_models_of_several_features_are_one_list():
+    plug_in(lamps(models=(lambda config, field: [Lamps("bright"), Lamps("dim")],)))
+    assert kinematic().given == ModelChoice(sensors=("bright", "dim"))
+
+
+def test_without_features_there_are_our_models_alone():
+    plug_in(Features())
+    program = kinematic(sensor_model="gone.py:Gone")
+    assert program.given == ModelChoice()
+    assert run(program, 0.3)[-1].filter.fault is None
 
 
 @pytest.mark.parametrize(

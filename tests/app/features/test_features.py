@@ -38,11 +38,12 @@ NAMES = [
     "grid_filter",
     "lab",
     "mapping",
+    "own_models",
     "recordings",
     "ros",
     "weighing",
 ]
-CORE = 313, 36_150
+CORE = 306, 35_350
 """Most modules and lines that the robot needs without features; fewer are better."""
 BY_NAME = (
     *plugging.ROOMS_WITH_COMMANDS,
@@ -65,6 +66,7 @@ LATE = {
         *feature.filters,
         *feature.compiled,
         *feature.companions,
+        *feature.models,
         *feature.checks,
         *(late for each in feature.run_options for late in (each.add, each.apply)),
         feature.outlet,
@@ -342,6 +344,17 @@ def test_an_option_of_a_feature_that_is_left_out_is_refused(capsys):
     assert left.value.code == 2
     assert "unrecognized arguments: --record here; without recordings" in capsys.readouterr().err
     assert config_from(parse(["run", "--record", "here"])).recording.folder == "here"
+
+
+@pytest.mark.parametrize("words", [("run",), ("replay", "drive")])
+def test_without_own_models_there_are_no_options_for_them(words, capsys):
+    given = ("--sensor-model", "mine.py:Mine", "--models", "mine")
+    parsed = parse([*words, *given])
+    assert (parsed.sensor_model, parsed.models) == ("mine.py:Mine", "mine")
+    assert config_from(parsed).sensor_model == "mine.py:Mine"
+    with pytest.raises(SystemExit):
+        parse([*words, *given, "--without", "own_models"])
+    assert "unrecognized arguments: --sensor-model" in capsys.readouterr().err
 
 
 def test_options_of_a_feature_that_fail_name_it():

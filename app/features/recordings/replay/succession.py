@@ -54,8 +54,8 @@ def run_again(program: Program, path: Path) -> ReplayProgram:
     if newest is not None:
         values = changed_values(newest.filter.parameters, replay.config.localization)
         models = {
-            "laser_model_type": newest.filter.own.sensor,
-            "robot_model_type": newest.filter.own.motion,
+            "laser_model_type": newest.filter.models.sensor,
+            "robot_model_type": newest.filter.models.motion,
         }
         values |= {name: model for name, model in models.items() if model}
         replay.replay.timeline.change(SetParametersCommand(type="set_parameters", values=values))

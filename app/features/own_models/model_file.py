@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from app.engine.own_models.error_messages import (
+from app.features.own_models.error_messages import (
     MODULE_PREFIX,
     OwnModelError,
     errors_named_after,

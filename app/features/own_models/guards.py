@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from app.engine.own_models.error_messages import OwnModelError, errors_named_after, line_of
-from app.engine.own_models.model_file import ModelFile
+from app.features.own_models.error_messages import OwnModelError, errors_named_after, line_of
+from app.features.own_models.model_file import ModelFile
 from app.languages.marking import phrase
 from robot.geometry import Array, Pose2, compose, wrap_angle
 from robot.localization.models.motion_models import sampled_moments
@@ -84,6 +84,11 @@ class OwnSensor:
 
     def __init__(self, file: ModelFile, model: object, fault: str | None = None) -> None:
         self.guard = Guard(file, model, "log_likelihood", fault)
+
+    @property
+    def fault(self) -> str | None:
+        """What went wrong, with file and line; None while nothing did."""
+        return self.guard.fault
 
     def log_likelihood(self, poses: Array, scan: Scan) -> Array:
         """Log-likelihood (n,) of a scan at poses (n, 3); zeros once the model has failed."""

@@ -12,7 +12,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from app.engine.own_models.guards import OwnSensor
+from app.features.own_models.guards import OwnSensor
 from app.languages.marking import phrase
 from robot.fields.field import Field
 from robot.fields.ray_casting import cast_rays

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 
-from app.engine.own_models.guards import OwnMotion, OwnSensor
-from app.engine.own_models.model_file import ModelFile
-from app.engine.own_models.slot import Slot
-from app.engine.own_models.trial import judge_on
-from app.engine.own_models.watch import ModelFolder, ModelList
+from app.engine.added_models import AddedModels, InUse, ModelChoice
+from app.features.own_models.error_messages import running
+from app.features.own_models.guards import OwnMotion, OwnSensor
+from app.features.own_models.model_file import ModelFile
+from app.features.own_models.slot import Slot
+from app.features.own_models.trial import judge_on
+from app.features.own_models.watch import ModelFolder, ModelList
+from app.settings.config import Config
 from robot.fields.field import Field
 from robot.localization.parameters import LocalizationParameters
 from robot.settings import SettingError
@@ -26,28 +28,18 @@ PATIENCE = 50
 """Updates after which a model that was not called is reported: some filters do not use it."""
 
 
-@dataclass(frozen=True, slots=True)
-class OwnChoice:
-    """Names of the user's own models in use and on offer (``my_model.py:MyModel``)."""
-
-    sensor: str = ""
-    """Empty while one of the program's own models is in use."""
-    motion: str = ""
-    sensors: tuple[str, ...] = ()
-    motions: tuple[str, ...] = ()
-
-
-class OwnModels:
+class OwnModels(AddedModels):
     """The user's sensor and motion model, and the folder with more of them."""
 
     def __init__(
         self, field: Field, *, sensor: str = "", motion: str = "", folder: str = ""
     ) -> None:
-        """Note which models are given; no file is run before ``load``.
+        """Note which models are given; no file is run before ``make``.
 
         Raises:
             SettingError: a model's file or the folder does not exist.
         """
+        super().__init__()
         self._field = field
         self._folder = _folder(folder) if folder else None
         self._given_sensor = ModelFile.find(sensor) if sensor else None
@@ -57,19 +49,14 @@ class OwnModels:
         self._motion = Slot(OwnMotion, field.start)
         self._polled = float("-inf")
         self._made_with: LocalizationParameters | None = None
-        self.saves = 0
-        """How many times files in use were saved."""
-        self.reset()
+        self._switched = False
+        """Whether other files have been chosen, which are not yet read."""
+        self.choose(None)
 
     @property
-    def sensor(self) -> OwnSensor | None:
-        """The user's sensor model; None while another one is chosen."""
-        return self._sensor.model
-
-    @property
-    def motion(self) -> OwnMotion | None:
-        """The user's motion model; None while another one is chosen."""
-        return self._motion.model
+    def in_use(self) -> tuple[OwnSensor | None, OwnMotion | None]:
+        """The user's models; None while another one is chosen."""
+        return self._sensor.model, self._motion.model
 
     @property
     def fault(self) -> str | None:
@@ -91,7 +78,6 @@ class OwnModels:
     def problems(self) -> Mapping[str, str | None]:
         """What is wrong, by topic; None if nothing is."""
         return {
-            "own models": self.fault and f"The robot stands still: {self.fault}",
             "doubtful models": self._doubt,
             "slow models": self.slow,
             "idle models": self.idle,
@@ -131,68 +117,58 @@ class OwnModels:
         return None
 
     @property
-    def choice(self) -> OwnChoice:
-        """The models in use and on offer."""
-        return OwnChoice(
+    def choice(self) -> ModelChoice:
+        """The models in use and on offer (``my_model.py:MyModel``)."""
+        return ModelChoice(
             self._sensor.name,
             self._motion.name,
             tuple(self._sensors()),
             tuple(self._motions()),
         )
 
-    def choose(self, choice: OwnChoice) -> bool:
-        """Choose other models by name; return whether one must be loaded now."""
-        chosen = [
-            _switch(self._sensor, self._sensors().get(choice.sensor)),
-            _switch(self._motion, self._motions().get(choice.motion)),
-        ]
-        return any(chosen)
+    def choose(self, choice: ModelChoice | None) -> None:
+        """Choose models by name, None those of the start; ``make`` follows."""
+        sensor, motion = self._given_sensor, self._given_motion
+        if choice is not None:
+            sensor = self._sensors().get(choice.sensor)
+            motion = self._motions().get(choice.motion)
+        self._switched |= _switch(self._sensor, sensor)
+        self._switched |= _switch(self._motion, motion)
 
-    def reset(self) -> bool:
-        """Choose the models given at the start; return whether one must be loaded now."""
-        return any(
-            [_switch(self._sensor, self._given_sensor), _switch(self._motion, self._given_motion)]
-        )
-
-    def saved(self, stamp: float) -> bool:
-        """Check the files every ``POLL_S``; return whether one was saved, so ``load`` is due."""
-        if stamp - self._polled < POLL_S:
+    def saved(self, stamp: float, *, at_once: bool) -> bool:
+        """Check the files every ``POLL_S``; return whether one in use was saved."""
+        if not at_once and stamp - self._polled < POLL_S:
             return False
         self._polled = stamp
         if self._folder is not None:
             self._found = self._folder.look()
-        saved = any([self._sensor.saved(), self._motion.saved()])
-        self.saves += saved
-        return saved
+        return any([self._sensor.saved(), self._motion.saved()])
 
-    def look_again(self) -> None:
-        """Let ``saved`` check the files at once, as the robot's clock stands or was set back."""
-        self._polled = float("-inf")
-
-    def put_back(self, sensor: OwnSensor | None, motion: OwnMotion | None) -> None:
+    def put_back(self, in_use: InUse, parameters: LocalizationParameters) -> None:
         """Restore models that were in use before, from the same files."""
+        sensor, motion = in_use
+        assert sensor is None or isinstance(sensor, OwnSensor)
+        assert motion is None or isinstance(motion, OwnMotion)
         self._sensor.model, self._motion.model = sensor, motion
-
-    def load(self, parameters: LocalizationParameters) -> None:
-        """Read the files of the chosen models and make the models; ``fault`` has failures."""
         self._made_with = parameters
-        self._sensor.load(self._for_sensor(parameters))
-        self._motion.load({"parameters": parameters.motion})
 
-    def rebuild(self, parameters: LocalizationParameters) -> None:
-        """Make the chosen models again with other parameters, without reading their files.
+    def make(self, parameters: LocalizationParameters, *, fresh: bool) -> None:
+        """Make the chosen models, ``fresh`` from their files as they are; ``fault`` has failures.
 
-        If ``load`` has just made them with these parameters, they stay, and so do their faults.
+        If they have just been made with these parameters, they stay, and so do their faults.
         """
-        if parameters == self._made_with:
+        fresh = fresh or self._switched
+        if not fresh and parameters == self._made_with:
             return
-        self._made_with = parameters
-        self._sensor.rebuild(self._for_sensor(parameters))
-        self._motion.rebuild({"parameters": parameters.motion})
-
-    def _for_sensor(self, parameters: LocalizationParameters) -> dict[str, object]:
+        self._switched, self._made_with = False, parameters
         field = self._field
-        return {"field": field, "parameters": parameters.sensor, "edges": field.edges}
+        for_sensor = {"field": field, "parameters": parameters.sensor, "edges": field.edges}
+        self._sensor.make(for_sensor, fresh=fresh)
+        self._motion.make({"parameters": parameters.motion}, fresh=fresh)
+
+    def running(self, thread: int | None) -> str | None:
+        """Return in words which line of a user's file a thread is running."""
+        return running(thread)
 
     def _sensors(self) -> dict[str, ModelFile]:
         return _by_name((*self._found.sensors, self._given_sensor, self._sensor.file))
@@ -201,32 +177,12 @@ class OwnModels:
         return _by_name((*self._found.motions, self._given_motion, self._motion.file))
 
 
-def chosen(own_choice: OwnChoice, values: dict[str, object]) -> tuple[OwnChoice, dict[str, object]]:
-    """Take the user's own models out of a change of parameters.
-
-    Returns the new choice of models, and the remaining values.
-
-    Raises:
-        SettingError: a model is not on offer.
-    """
-    left = dict(values)
-    sensor = _taken(left, "laser_model_type", own_choice.sensor, own_choice.sensors)
-    motion = _taken(left, "robot_model_type", own_choice.motion, own_choice.motions)
-    return OwnChoice(sensor, motion, own_choice.sensors, own_choice.motions), left
-
-
-def _taken(values: dict[str, object], key: str, current: str, offered: tuple[str, ...]) -> str:
-    wanted = values.get(key)
-    if wanted is None:
-        return current
-    if not isinstance(wanted, str) or ":" not in wanted:
-        return ""  # one of the program's own models, or a wrong name, which is refused later
-    if wanted not in offered:
-        raise SettingError(
-            f"there is no model {wanted}; of your own are on offer: {', '.join(offered) or 'none'}"
-        )
-    del values[key]
-    return wanted
+def own_models(config: Config, field: Field) -> tuple[OwnModels]:
+    """Return the user's own models that the configuration names."""
+    own = OwnModels(
+        field, sensor=config.sensor_model, motion=config.motion_model, folder=config.models
+    )
+    return (own,)
 
 
 def _switch(slot: Slot[OwnSensor] | Slot[OwnMotion], file: ModelFile | None) -> bool:

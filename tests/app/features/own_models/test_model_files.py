@@ -8,12 +8,11 @@ import types
 import numpy as np
 import pytest
 
-from app.engine.own_models.error_messages import OwnModelError, running
-from app.engine.own_models.guards import OwnMotion, OwnSensor
-from app.engine.own_models.model_file import ModelFile, build, load
-from app.engine.own_models.own_models import OwnChoice, chosen
-from app.engine.own_models.slot import Slot
-from app.engine.own_models.watch import FileWatch, ModelFolder, models_in
+from app.features.own_models.error_messages import OwnModelError, running
+from app.features.own_models.guards import OwnMotion, OwnSensor
+from app.features.own_models.model_file import ModelFile, build, load
+from app.features.own_models.slot import Slot
+from app.features.own_models.watch import FileWatch, ModelFolder, models_in
 from robot.geometry import Pose2
 from robot.scan import Scan
 from robot.settings import SettingError
@@ -25,7 +24,7 @@ SCAN = Scan(0.0, np.zeros(3), np.array([0.2, np.inf, 0.3]))
 def loaded(wrap, path, name="Mine"):
     slot = Slot(wrap, Pose2())
     slot.choose(ModelFile(path, name))
-    slot.load(OFFERED)
+    slot.make(OFFERED, fresh=True)
     return slot
 
 
@@ -154,14 +153,6 @@ def test_a_file_counts_as_saved_once_it_rests(save):
     assert watch.saved()
 
 
-def test_built_in_models_and_wrong_ones_are_left_for_the_parameters():
-    now = OwnChoice("mine.py:Flat", "", ("mine.py:Flat",))
-    own, left = chosen(now, {"laser_model_type": "beam", "sigma_hit": 0.1})
-    assert (own.sensor, left) == ("", {"laser_model_type": "beam", "sigma_hit": 0.1})
-    own, left = chosen(now, {"sigma_hit": 0.1})
-    assert own == now
-
-
 def test_a_file_may_import_the_one_beside_it(save):
     save("WIDTH = 3.0", "beside_it.py")
     slot = loaded(
@@ -183,7 +174,7 @@ def test_with_the_model_the_files_beside_it_are_read_anew(save, tmp_path):
     slot = loaded(OwnSensor, save(text))
     assert slot.model.log_likelihood(np.zeros((1, 3)), SCAN).tolist() == [13]
     save("LENGTH = 20.0", "parts/inner.py")
-    slot.load(OFFERED)
+    slot.make(OFFERED, fresh=True)
     assert slot.model.log_likelihood(np.zeros((1, 3)), SCAN).tolist() == [23]
     # What is installed stays what everybody else has.
     assert sys.modules["numpy"] is np

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, Generic, Protocol, TypeVar
 
-from app.engine.own_models.error_messages import OwnModelError
-from app.engine.own_models.guards import Guard
-from app.engine.own_models.model_file import ModelFile, build, load
-from app.engine.own_models.watch import FileWatch
+from app.features.own_models.error_messages import OwnModelError
+from app.features.own_models.guards import Guard
+from app.features.own_models.model_file import ModelFile, build, load
+from app.features.own_models.watch import FileWatch
 from robot.geometry import Pose2
 
 
@@ -62,7 +62,7 @@ class Slot(Generic[G]):
         return self.model.guard.trace if self.model else ""
 
     def choose(self, file: ModelFile | None) -> None:
-        """Choose a file, or None to empty the slot; call ``load`` next."""
+        """Choose a file, or None to empty the slot; call ``make`` next."""
         self.file = file
         self.model = None
         self.doubt = None
@@ -70,40 +70,46 @@ class Slot(Generic[G]):
         self._watch = FileWatch(file.path) if file else None
 
     def saved(self) -> bool:
-        """Return whether the file was saved, so that ``load`` is due."""
+        """Return whether the file was saved, so that it is to be made anew."""
         return self._watch is not None and self._watch.saved()
 
-    def load(self, offered: Mapping[str, object]) -> None:
-        """Read the file again and make the model."""
+    def make(self, offered: Mapping[str, object], *, fresh: bool) -> None:
+        """Make the model, of the file as it was read, or ``fresh`` as it is."""
         if self.file is None:
             return
+        if fresh:
+            self._load(self.file)
+        if self._class is not None:
+            # If it had failed, its new parameters may be the cure.
+            self._make(self.file, self._class, offered, try_out=fresh or self.fault is not None)
+
+    def _load(self, file: ModelFile) -> None:
         self._class = None
         try:
-            self._class = load(self.file)
+            self._class = load(file)
         except OwnModelError as error:
-            self._fail(self.file, error)
-            return
-        self._make(offered, try_out=True)
+            self._fail(file, error)
 
-    def rebuild(self, offered: Mapping[str, object]) -> None:
-        """Make the model again with other parameters; try it out first if it had failed."""
-        if self.file is not None and self._class is not None:
-            self._make(offered, try_out=self.fault is not None)
-
-    def _make(self, offered: Mapping[str, object], *, try_out: bool) -> None:
-        assert self.file is not None and self._class is not None
+    def _make(
+        self,
+        file: ModelFile,
+        made: Callable[..., Any],
+        offered: Mapping[str, object],
+        *,
+        try_out: bool,
+    ) -> None:
         try:
             if try_out:
                 # Try out a model and throw it away, as it may remember the trial.
-                tried = self._wrap(self.file, build(self.file, self._class, offered), None)
+                tried = self._wrap(file, build(file, made, offered), None)
                 tried.try_out(self._start)
                 self.doubt = self._judge(tried)
                 if tried.guard.fault is not None:
                     self.model = tried
                     return
-            self.model = self._wrap(self.file, build(self.file, self._class, offered), None)
+            self.model = self._wrap(file, build(file, made, offered), None)
         except OwnModelError as error:
-            self._fail(self.file, error)
+            self._fail(file, error)
 
     def _fail(self, file: ModelFile, error: OwnModelError) -> None:
         self.model = self._wrap(file, None, str(error))

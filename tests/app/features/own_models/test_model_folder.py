@@ -4,8 +4,8 @@ import pytest
 from engine_runs import EIGHT
 from own_programs import FLAT, STILL, run
 
+from app.engine.added_models import ModelChoice
 from app.engine.commands import check
-from app.engine.own_models.own_models import OwnChoice
 from app.messages.commands import SetParametersCommand
 from app.page.parameters import parameter_messages
 from app.settings.config import Config
@@ -14,11 +14,11 @@ from robot.errors import CommandError
 
 def test_models_dropped_into_the_folder_are_offered_and_chosen_live(save, tmp_path, with_own):
     program = with_own(folder=tmp_path)
-    assert run(program, 0.3).filter.own == OwnChoice()
+    assert run(program, 0.3).filter.models == ModelChoice()
     save(FLAT)
     save(STILL, "still.py")
     shown = run(program, 0.5)
-    assert (shown.filter.own.sensors, shown.filter.own.motions) == (
+    assert (shown.filter.models.sensors, shown.filter.models.motions) == (
         ("mine.py:Flat",),
         ("still.py:Still",),
     )
@@ -27,9 +27,12 @@ def test_models_dropped_into_the_folder_are_offered_and_chosen_live(save, tmp_pa
     check(command, program)
     program.engine.commands.put(command)
     shown = run(program, 0.5, EIGHT)
-    assert (shown.filter.own.sensor, shown.filter.own.motion) == ("mine.py:Flat", "still.py:Still")
+    assert (shown.filter.models.sensor, shown.filter.models.motion) == (
+        "mine.py:Flat",
+        "still.py:Still",
+    )
     messages = parameter_messages(
-        shown.filter.parameters, Config().localization, shown.filter.own, program.given
+        shown.filter.parameters, Config().localization, shown.filter.models, program.given
     )
     sensor = next(one for one in messages if one.name == "laser_model_type")
     assert sensor.value == "mine.py:Flat"
@@ -44,7 +47,7 @@ def test_a_model_in_use_stays_on_offer_when_its_file_goes(save, tmp_path, with_o
     path.unlink()
     shown = run(program, 1.0, EIGHT)
     assert shown.filter.fault is None
-    assert shown.filter.own.sensors == ("mine.py:Flat",)
+    assert shown.filter.models.sensors == ("mine.py:Flat",)
 
 
 def test_a_file_that_is_no_python_is_told_and_stops_nothing(save, tmp_path, with_own):
@@ -73,4 +76,4 @@ def test_a_model_that_vanished_since_it_was_chosen_stops_nothing(save, tmp_path,
     program.engine.commands.put(SetParametersCommand(type="set_parameters", values=values))
     shown = program.engine.step()
     assert "A change was not taken" in shown.problems.present[0]
-    assert shown.filter.own.sensor == ""
+    assert shown.filter.models.sensor == ""

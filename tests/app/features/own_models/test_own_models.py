@@ -8,7 +8,7 @@ from engine_runs import EIGHT
 from own_programs import FLAT, run, undoubted
 
 from app.engine.commands import check
-from app.engine.own_models import own_models
+from app.features.own_models import own_models
 from app.messages.commands import ResetCommand, ScatterCommand, SetParametersCommand
 from app.messages.driving_commands import DriveCommand, StopCommand
 from robot.errors import CommandError
@@ -25,7 +25,7 @@ def test_an_own_sensor_model_weighs_the_particles(save, with_own):
     cloud = shown.filter.cloud
     assert shown.filter.fault is None
     assert np.corrcoef(cloud.poses[:, 0], cloud.weights)[0, 1] > 0.5
-    assert shown.filter.own.sensor == "mine.py:East"
+    assert shown.filter.models.sensor == "mine.py:East"
 
 
 def test_an_own_motion_model_moves_them(save, with_own):
@@ -145,7 +145,7 @@ def test_while_it_is_broken_the_rest_works(save, with_own):
     )
     assert run(program, 1.0, EIGHT).problems.present == ()
     program.engine.commands.put(ResetCommand(type="reset"))
-    assert run(program, 0.1).filter.own.sensor == "mine.py:Flat"
+    assert run(program, 0.1).filter.models.sensor == "mine.py:Flat"
 
 
 def test_a_model_cannot_change_what_others_see(save, with_own):
@@ -193,11 +193,27 @@ def test_chosen_with_other_parameters_it_is_made_once_and_its_fault_stays(save, 
                 return missing
     """)
     localization = with_own(folder=tmp_path).engine.localization
-    own, parameters = localization.own, localization.parameters
+    (own,), parameters = localization.added, localization.parameters
     other = replace(parameters, sensor=replace(parameters.sensor, sigma_hit=0.004))
     localization.choose(replace(own.choice, sensor="mine.py:Broken"), other)
     assert localization.fault == "mine.py line 7: NameError: name 'missing' is not defined"
     assert (tmp_path / "mine.py.txt").read_text() == "0.004 "
+
+
+def test_what_was_in_use_is_put_back_with_its_parameters(save, with_own):
+    localization = with_own(save(FLAT)).engine.localization
+    (own,), parameters = localization.added, localization.parameters
+    other, before = (
+        replace(parameters, sensor=replace(parameters.sensor, sigma_hit=0.004)),
+        own.in_use,
+    )
+    own.make(other, fresh=False)
+    assert own.in_use != before
+    own.put_back(before, parameters)
+    own.make(parameters, fresh=False)
+    assert own.in_use == before
+    own.make(other, fresh=False)
+    assert own.in_use != before
 
 
 def test_a_slow_model_is_told_and_goes_on(save, monkeypatch, with_own):

@@ -6,8 +6,8 @@ import ast
 from dataclasses import dataclass
 from pathlib import Path
 
-from app.engine.own_models.error_messages import OwnModelError, errors_named_after
-from app.engine.own_models.model_file import ModelFile
+from app.features.own_models.error_messages import OwnModelError, errors_named_after
+from app.features.own_models.model_file import ModelFile
 from app.languages.marking import phrase
 
 MOST_FILES = 100
