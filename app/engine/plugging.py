@@ -3,21 +3,24 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from importlib import import_module
+from pathlib import Path
 
 from app.engine.command_row import CommandRow, collected
 from app.engine.companions import Companion, Companions, NewCompanion
 from app.engine.robot_kind import RobotKind
 from app.engine.value import Value
 from app.feature import Feature
-from app.feature_search import Features, failure_of, find_features
+from app.feature_search import Features, failure_of, find_features, named
 from app.messages.message import CommandMessage, Message
 from app.messages.schema import MESSAGES, parts_of
 from app.settings.config import Config
+from robot.camera import Lens
 from robot.errors import BrickPoseError
 from robot.fields.field import Field
+from robot.hooks import FieldSource
 from robot.interface import Robot
 
 ROOMS_WITH_COMMANDS = (
@@ -50,6 +53,15 @@ class Plugged:
     """What ``--robot`` chooses from, by name."""
     messages: tuple[type[Message], ...]
     """What is sent."""
+    lens_files: tuple[Callable[[Path], Lens], ...] = ()
+    """Readers of lens files that are not as ours are."""
+    fields: tuple[FieldSource, ...] = ()
+    """Fields besides the drawings."""
+
+    @property
+    def without(self) -> str:
+        """The end of a refusal, which names the features that were left out; else empty."""
+        return "".join(f"; without {name}" for name in self.features.left_out)
 
     @property
     def all_messages(self) -> tuple[type[Message], ...]:
@@ -76,6 +88,8 @@ class Plugged:
         companions = tuple((feature.name, make) for make in feature.companions)
         robots = {kind.name: kind for make in feature.robots for kind in make()}
         messages = [message for make in feature.messages for message in make()]
+        lens_files = (named(feature, read) for read in feature.lens_files)
+        fields = [_field_source(feature, each) for make in feature.fields for each in make()]
         collected_rows = collected((*self.rows.values(), *rows))
         _require_new(values, self.values)
         _require_messages((*collected_rows, *messages), self.all_messages)
@@ -88,6 +102,8 @@ class Plugged:
             companions=(*self.companions, *companions),
             robots={**self.robots, **robots},
             messages=(*self.messages, *messages),
+            lens_files=(*self.lens_files, *lens_files),
+            fields=(*self.fields, *fields),
         )
 
 
@@ -146,6 +162,12 @@ def _require_new(values: Iterable[Value], known: Iterable[Value]) -> None:
         if value.name in names:
             raise ValueError(f"there is a value {value.name!r} already")
         names.add(value.name)
+
+
+def _field_source(feature: Feature, source: object) -> FieldSource:
+    if not isinstance(source, FieldSource):
+        raise TypeError(f"fields are {source!r}; valid is a FieldSource")
+    return replace(source, has=named(feature, source.has), make=named(feature, source.make))
 
 
 def _require_messages(messages: Iterable[object], known: Iterable[type[Message]]) -> None:

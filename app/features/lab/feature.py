@@ -32,4 +32,5 @@ FEATURE = Feature(
             Late("app.features.lab.mapping.options:add_map_command"),
         ),
     ),
+    fields=(Late("app.features.lab.generated_fields:FIELDS"),),
 )

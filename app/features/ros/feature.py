@@ -19,4 +19,5 @@ FEATURE = Feature(
     ),
     guests=(Late("app.features.ros.guests:guests"),),
     outlet=Late("app.features.ros.outlet:RosOutlet"),
+    fields=(Late("app.features.ros.map_fields:FIELDS"),),
 )
