@@ -24,6 +24,7 @@ from app.feature_search import FeatureError, Features, find_features
 from app.options import config_from
 from app.settings.config import Config, with_settings
 from app.tools.doctor.command import check_features
+from robot.hooks import FieldSource
 from robot.settings import SettingError
 
 pytestmark = pytest.mark.slow
@@ -45,6 +46,8 @@ LATE = {
         *feature.robots,
         *feature.companions,
         *feature.checks,
+        *feature.lens_files,
+        *feature.fields,
         *(late for each in feature.run_options for late in (each.add, each.apply)),
         feature.outlet,
     )
@@ -308,7 +311,7 @@ def test_help_imports_nothing_that_a_command_needs():
             assert subcommand.name in done.stdout
 
 
-@pytest.mark.parametrize("record", [Feature, Guest, Panel, RunOptions, Subcommand])
+@pytest.mark.parametrize("record", [Feature, FieldSource, Guest, Panel, RunOptions, Subcommand])
 def test_every_hook_is_documented(record):
     document = (ROOT / "docs" / "extending.md").read_text(encoding="utf-8")
     for field in dataclasses.fields(record):
