@@ -1,10 +1,10 @@
-"""What the laboratory adds: commands that measure, fit, sweep and map."""
+"""What the laboratory adds: commands that measure, fit, sweep and map; generated fields."""
 
 from app.feature import Feature, Late, Subcommand
 
 FEATURE = Feature(
     name="lab",
-    about="evaluations, fits, sweeps, calibrations, maps and laser bags, as commands",
+    about="evaluations, fits, sweeps, calibrations, maps and laser bags, as commands; generated fields",
     subcommands=(
         Subcommand(
             "evaluate",

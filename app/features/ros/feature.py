@@ -1,10 +1,10 @@
-"""What ROS adds: topics, services and parameters by rosbridge, Foxglove and DDS, and exports."""
+"""What ROS adds: topics, services and parameters by rosbridge, Foxglove and DDS, its maps, and exports."""
 
 from app.feature import Feature, Late, RunOptions, Subcommand
 
 FEATURE = Feature(
     name="ros",
-    about="the robot as ROS 2 sees it: rosbridge, Foxglove, DDS, and files for Nav2",
+    about="the robot as ROS 2 sees it: rosbridge, Foxglove, DDS, maps, and files for Nav2",
     subcommands=(
         Subcommand(
             "export",
