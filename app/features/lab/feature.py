@@ -4,7 +4,7 @@ from app.feature import Feature, Late, Subcommand
 
 FEATURE = Feature(
     name="lab",
-    about="evaluations, fits, sweeps, calibrations, maps and laser bags, as commands; generated fields",
+    about="evaluations, fits, sweeps, calibrations, maps and laser bags; generated fields",
     subcommands=(
         Subcommand(
             "evaluate",

@@ -1,4 +1,4 @@
-"""What ROS adds: topics, services and parameters by rosbridge, Foxglove and DDS, its maps, and exports."""
+"""What ROS adds: topics, services and parameters by rosbridge, Foxglove, DDS; maps, exports."""
 
 from app.feature import Feature, Late, RunOptions, Subcommand
 
