@@ -12,11 +12,13 @@ import pytest
 import warm_start
 from hypothesis import settings
 
-import app  # noqa: F401 - so the robot's rooms have what features add, in whatever order tests run
+from app.feature_search import find_features
 
 # The machine may be busy: a slow example is no fault.
 settings.register_profile("brickpose", deadline=None, derandomize=True)
 settings.load_profile("brickpose")
+# The robot's rooms have what features add, in whatever order tests run.
+find_features().offer_filters()
 
 
 LONGEST = (

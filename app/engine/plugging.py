@@ -22,6 +22,7 @@ from robot.errors import BrickPoseError
 from robot.fields.field import Field
 from robot.hooks import FieldSource
 from robot.interface import Robot
+from robot.localization.filter_kinds import OURS, FilterKind, offer_filters
 
 ROOMS_WITH_COMMANDS = (
     "app.engine.driving_commands",
@@ -53,6 +54,8 @@ class Plugged:
     """What ``--robot`` chooses from, by name."""
     messages: tuple[type[Message], ...]
     """What is sent."""
+    filters: tuple[FilterKind, ...] = ()
+    """What the parameter ``filter`` chooses from, besides the core's."""
     lens_files: tuple[Callable[[Path], Lens], ...] = ()
     """Readers of lens files that are not as ours are."""
     fields: tuple[FieldSource, ...] = ()
@@ -80,7 +83,7 @@ class Plugged:
         """Return the tables with what a feature adds: all of it.
 
         Raises:
-            ValueError: a command, a message, a value or a robot has a name that is taken.
+            ValueError: a command, a message, a value, a robot or a filter has a name that is taken.
             TypeError: something is of another type than its hook takes.
         """
         rows = [row for make in feature.commands for row in make()]
@@ -90,11 +93,13 @@ class Plugged:
         messages = [message for make in feature.messages for message in make()]
         lens_files = (named(feature, read) for read in feature.lens_files)
         fields = [_field_source(feature, each) for make in feature.fields for each in make()]
+        filters = [kind for make in feature.filters for kind in make()]
         collected_rows = collected((*self.rows.values(), *rows))
         _require_new(values, self.values)
         _require_messages((*collected_rows, *messages), self.all_messages)
         for name in robots.keys() & self.robots.keys():
             raise ValueError(f"there is a robot {name!r} already")
+        _require_filters(filters, (*OURS, *self.filters))
         return replace(
             self,
             rows=collected_rows,
@@ -104,6 +109,7 @@ class Plugged:
             messages=(*self.messages, *messages),
             lens_files=(*self.lens_files, *lens_files),
             fields=(*self.fields, *fields),
+            filters=(*self.filters, *filters),
         )
 
 
@@ -128,6 +134,7 @@ def plug_in(features: Features) -> Features:
     _, failures = features.made(add)
     features = replace(features, failures=(*features.failures, *failures))
     with _LOCK:
+        offer_filters(tables.filters)
         _PLUGGED[:] = [replace(tables, features=features)]
     return features
 
@@ -168,6 +175,16 @@ def _field_source(feature: Feature, source: object) -> FieldSource:
     if not isinstance(source, FieldSource):
         raise TypeError(f"fields are {source!r}; valid is a FieldSource")
     return replace(source, has=named(feature, source.has), make=named(feature, source.make))
+
+
+def _require_filters(kinds: Iterable[FilterKind], known: Iterable[FilterKind]) -> None:
+    names = {kind.name for kind in known}
+    for kind in kinds:
+        if not isinstance(kind, FilterKind):
+            raise TypeError(f"a filter is {kind!r}; valid is a FilterKind")
+        if kind.name in names:
+            raise ValueError(f"there is a filter {kind.name!r} already")
+        names.add(kind.name)
 
 
 def _require_messages(messages: Iterable[object], known: Iterable[type[Message]]) -> None:
