@@ -44,6 +44,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         parsed = parse(arguments)
         share_freed_memory()
+        if parsed.features.left_out:  # else whatever is asked first finds all of them
+            Late("app.engine.plugging:plug_in")(parsed.features)
         return int(parsed.command(parsed))
     except BrickPoseError as error:
         return _complain(error, error.exit_code)

@@ -253,6 +253,16 @@ def test_a_command_of_a_feature_that_is_left_out_is_none_and_the_error_says_why(
     assert told.endswith("; without lab\n")
 
 
+@pytest.mark.parametrize("command", ["export", "run"])
+def test_a_field_of_a_feature_that_is_left_out_is_none_for_every_command(command, tmp_path):
+    words = ["ros2", str(tmp_path / "out")] if command == "export" else ["--port", "0"]
+    done = brickpose(command, *words, "--map", "generated-17", "--without", "lab")
+    assert done.returncode == 2
+    assert "there is no field 'generated-17'; valid are " in done.stderr
+    assert done.stderr.endswith("; without lab\n")
+    assert not (tmp_path / "out").exists()
+
+
 def test_a_file_of_settings_leaves_features_out(tmp_path, capsys):
     file = tmp_path / "small.toml"
     file.write_text('[features]\nwithout = ["course"]\n')
