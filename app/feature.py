@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     from app.page.outlets import Outlet, Outlets
     from app.settings.config import Config
     from app.tools.doctor.finding import Finding
+    from robot.camera import Lens
+    from robot.hooks import FieldSource
     from robot.localization.filter_kinds import FilterKind
 
 
@@ -143,6 +145,11 @@ class Feature:
     outlet: Callable[[Outlets], Outlet] | None = None
     """Makes what runs as long as a program: threads, files, routes, layers of the 3D view, parts of
     telemetry, and what carries out commands outside the engine."""
+    lens_files: tuple[Callable[[Path], Lens], ...] = ()
+    """Each reads the lens beside a robot's description from a file that is not as we write it, or
+    raises a ``CameraError``; then the next one is asked."""
+    fields: tuple[Callable[[], Iterable[FieldSource]], ...] = ()
+    """Each gives fields besides the drawings: made by name, or read from files."""
     values: tuple[Callable[[], Iterable[Value]], ...] = ()
     """Each gives values that ticks show on the page, on ROS and in recordings; their names must be
     new."""

@@ -17,7 +17,6 @@ from typing import TypeVar
 
 import numpy as np
 
-from app.feature_search import find_features
 from app.features.lab.evaluation.drives import Drive, Kidnap, random_pose_on_eight, record
 from app.features.lab.evaluation.experiment import KNOWN
 from app.features.lab.evaluation.integrity.oracle import field_decides
@@ -38,8 +37,6 @@ from robot.localization.filter import Setup
 from robot.localization.parameters import FilterParameters, LocalizationParameters
 from sim.floor_camera import CameraSettings
 from sim.simulated import SimSettings
-
-find_features().offer_filters()
 
 SEEDS = range(12)
 GLOBAL_SEEDS = range(24)

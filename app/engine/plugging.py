@@ -6,6 +6,7 @@ import threading
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from importlib import import_module
+from pathlib import Path
 from typing import TypeVar
 
 from app.engine.added_models import AddedModels, NewModels
@@ -14,14 +15,16 @@ from app.engine.companions import Companions, NewCompanion
 from app.engine.robot_kind import RobotKind
 from app.engine.value import Value
 from app.feature import Feature
-from app.feature_search import Features, failure_of, find_features
+from app.feature_search import Features, failure_of, find_features, named
 from app.messages.message import CommandMessage, Message
 from app.messages.schema import MESSAGES, parts_of
 from app.settings.config import Config
+from robot.camera import Lens
 from robot.errors import BrickPoseError
 from robot.fields.field import Field
+from robot.hooks import FieldSource
 from robot.interface import Robot
-from robot.localization.filter_kinds import OURS, FilterKind, offer_filters
+from robot.localization.filter_kinds import OURS, FilterKind
 from robot.localization.models.motion_models import MOTION_MODELS
 from robot.localization.models.sensor_models import SENSOR_MODELS
 
@@ -63,6 +66,15 @@ class Plugged:
     """What is sent."""
     filters: tuple[FilterKind, ...] = ()
     """What the parameter ``filter`` chooses from, besides the core's."""
+    lens_files: tuple[Callable[[Path], Lens], ...] = ()
+    """Readers of lens files that are not as ours are."""
+    fields: tuple[FieldSource, ...] = ()
+    """Fields besides the drawings."""
+
+    @property
+    def without(self) -> str:
+        """The end of a refusal, which names the features that were left out; else empty."""
+        return "".join(f"; without {name}" for name in self.features.left_out)
 
     @property
     def all_messages(self) -> tuple[type[Message], ...]:
@@ -90,6 +102,8 @@ class Plugged:
         models = tuple((feature.name, make) for make in feature.models)
         robots = {kind.name: kind for make in feature.robots for kind in make()}
         messages = [message for make in feature.messages for message in make()]
+        lens_files = (named(feature, read) for read in feature.lens_files)
+        fields = [_field_source(feature, each) for make in feature.fields for each in make()]
         filters = [kind for make in feature.filters for kind in make()]
         collected_rows = collected((*self.rows.values(), *rows))
         _require_new("value", Value, values, self.values)
@@ -105,6 +119,8 @@ class Plugged:
             models=(*self.models, *models),
             robots={**self.robots, **robots},
             messages=(*self.messages, *messages),
+            lens_files=(*self.lens_files, *lens_files),
+            fields=(*self.fields, *fields),
             filters=(*self.filters, *filters),
         )
 
@@ -130,7 +146,6 @@ def plug_in(features: Features) -> Features:
     _, failures = features.made(add)
     features = replace(features, failures=(*features.failures, *failures))
     with _LOCK:
-        offer_filters(tables.filters)
         _PLUGGED[:] = [replace(tables, features=features)]
     return features
 
@@ -190,6 +205,12 @@ def _require_new(
         if part.name in names:
             raise ValueError(f"there is a {hook} {part.name!r} already")
         names.add(part.name)
+
+
+def _field_source(feature: Feature, source: object) -> FieldSource:
+    if not isinstance(source, FieldSource):
+        raise TypeError(f"fields are {source!r}; valid is a FieldSource")
+    return replace(source, has=named(feature, source.has), make=named(feature, source.make))
 
 
 def _require_messages(messages: Iterable[object], known: Iterable[type[Message]]) -> None:

@@ -24,7 +24,7 @@ from app.settings.groups import (
     Ros2Settings,
     StartPoseSettings,
 )
-from robot.cameras.camera import CameraSourceSettings
+from robot.cameras.settings import CameraSourceSettings
 from robot.driving.drive_controller import DriveSettings
 from robot.driving.figure_eight import FigureEight
 from robot.driving.odometry import OdometrySettings

@@ -17,7 +17,7 @@ from robot.fields import edges as edge_geometry
 from robot.fields.edge_index import EdgeIndex, index_edges
 from robot.fields.edges import lengths, sample
 from robot.fields.floor_picture import Extent, FloorPicture, coverage
-from robot.fields.grid_map import MAX_CELLS, OccupancyGrid
+from robot.fields.occupancy_grid import MAX_CELLS, OccupancyGrid
 from robot.fields.ray_casting import cast_rays
 from robot.fields.visibility import Visibility, visibility
 from robot.geometry import Array, Pose2

@@ -9,7 +9,7 @@ import numpy as np
 
 from robot.calibration.adjustment import Solution, residual_sd
 from robot.errors import BrickPoseError
-from robot.fields.grid_map import OccupancyGrid
+from robot.fields.occupancy_grid import OccupancyGrid
 from robot.geometry import Array, Pose2
 from robot.mapping.crossings import BareFloor
 from robot.mapping.drawing import drawing

@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 from app.engine.engine import Engine
 from app.engine.snapshot import DrawnMap
-from robot.fields.grid_map import OccupancyGrid
+from robot.fields.occupancy_grid import OccupancyGrid
 from robot.geometry import Pose2
 from robot.mapping.sketch import Sketch
 from robot.mapping.tape_map import TapeMap

@@ -25,6 +25,7 @@ from app.feature_search import FeatureError, Features, find_features
 from app.options import config_from
 from app.settings.config import Config, with_settings
 from app.tools.doctor.command import check_features
+from robot.hooks import FieldSource
 from robot.localization.filter_kinds import OURS as FILTERS
 from robot.settings import SettingError
 
@@ -43,7 +44,7 @@ NAMES = [
     "ros",
     "weighing",
 ]
-CORE = 306, 35_350
+CORE = 286, 33_110
 """Most modules and lines that the robot needs without features; fewer are better."""
 BY_NAME = (
     *plugging.ROOMS_WITH_COMMANDS,
@@ -68,6 +69,8 @@ LATE = {
         *feature.companions,
         *feature.models,
         *feature.checks,
+        *feature.lens_files,
+        *feature.fields,
         *(late for each in feature.run_options for late in (each.add, each.apply)),
         feature.outlet,
     )
@@ -252,6 +255,16 @@ def test_a_command_of_a_feature_that_is_left_out_is_none_and_the_error_says_why(
     assert told.endswith("; without lab\n")
 
 
+@pytest.mark.parametrize("command", ["export", "run"])
+def test_a_field_of_a_feature_that_is_left_out_is_none_for_every_command(command, tmp_path):
+    words = ["ros2", str(tmp_path / "out")] if command == "export" else ["--port", "0"]
+    done = brickpose(command, *words, "--map", "generated-17", "--without", "lab")
+    assert done.returncode == 2
+    assert "there is no field 'generated-17'; valid are " in done.stderr
+    assert done.stderr.endswith("; without lab\n")
+    assert not (tmp_path / "out").exists()
+
+
 def test_a_file_of_settings_leaves_features_out(tmp_path, capsys):
     file = tmp_path / "small.toml"
     file.write_text('[features]\nwithout = ["course"]\n')
@@ -331,7 +344,7 @@ def test_help_imports_nothing_that_a_command_needs():
             assert subcommand.name in done.stdout
 
 
-@pytest.mark.parametrize("record", [Feature, Guest, Panel, RunOptions, Subcommand])
+@pytest.mark.parametrize("record", [Feature, FieldSource, Guest, Panel, RunOptions, Subcommand])
 def test_every_hook_is_documented(record):
     document = (ROOT / "docs" / "extending.md").read_text(encoding="utf-8")
     for field in dataclasses.fields(record):

@@ -13,7 +13,6 @@ from app.features.lab.report_page import BLUE, RED, page, picture_frame, svg_fig
 from robot.calibration.lens.board import Board
 from robot.calibration.lens.coverage import COLUMNS, LEAST_CORNERS, ROWS, missing, parts_seen, tilt
 from robot.calibration.lens.lens_calibration import LensCalibration
-from robot.lens_files.camera_info import parameters
 
 TEMPLATE = "lens.html.jinja"
 LENGTHENED = 100.0
@@ -24,7 +23,7 @@ def lens_report(result: LensCalibration, board: Board) -> str:
     """Return the report as HTML, with all figures in it."""
     chosen = result.chosen
     sd = chosen.fit.sd
-    names = parameters(result.lens).items()
+    names = result.lens.parameters.items()
     rows = [
         (name, value, 1.96 * error) for (name, value), error in zip(names, sd.tolist(), strict=True)
     ]
