@@ -108,8 +108,8 @@ class _KeptVersions(caching.FunctionCache):
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         # Code that makes arrays calls numba's memory, which begins with the first function.
         rtsys.initialize(target_context)
-        with self._guard_against_spurious_io_errors():  # type: ignore[no-untyped-call]
-            return self._load_overload(sig, target_context)
+        with self._guard_against_spurious_io_errors():
+            return self._load_overload(sig, target_context)  # type: ignore[no-untyped-call]
 
 
 def compiled(**options: Any) -> Callable[[F], F]:
