@@ -6,13 +6,13 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib import metadata
 from importlib.util import find_spec
+from pkgutil import resolve_name
 from types import MappingProxyType
+from typing import Any
 
 from robot.description.spec import RobotSpec
 from robot.errors import PackageError
 from robot.geometry import Pose2
-from sim.bullet import BulletWorld, load_pybullet
-from sim.mujoco_world import MujocoWorld, load_mujoco
 from sim.physics import ENGINES, PhysicsSettings, PhysicsWorld
 
 
@@ -30,10 +30,29 @@ class PhysicsEngine:
     """Imports it, or raises a ``PackageError`` that says how to get it."""
 
 
+def _late(target: str) -> Callable[..., Any]:
+    """Return a function of ours by its name, imported when it is called: one engine drives."""
+
+    def call(*given: Any, **named: Any) -> Any:
+        return resolve_name(target)(*given, **named)
+
+    return call
+
+
 LIBRARIES: Mapping[str, PhysicsEngine] = MappingProxyType(
     {
-        "bullet": PhysicsEngine("pybullet", "pybullet", BulletWorld, load_pybullet),
-        "mujoco": PhysicsEngine("mujoco-core", "mujoco", MujocoWorld, load_mujoco),
+        "bullet": PhysicsEngine(
+            "pybullet",
+            "pybullet",
+            _late("sim.bullet:BulletWorld"),
+            _late("sim.bullet:load_pybullet"),
+        ),
+        "mujoco": PhysicsEngine(
+            "mujoco-core",
+            "mujoco",
+            _late("sim.mujoco_world:MujocoWorld"),
+            _late("sim.mujoco_world:load_mujoco"),
+        ),
     }
 )
 """By the names of ``ENGINES``."""

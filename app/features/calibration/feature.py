@@ -6,7 +6,7 @@ FEATURE = Feature(
     name="calibration",
     about="measures the robot that was built by a drive, and its lens by a board",
     outlet=Late("app.features.calibration.outlet:CalibrationOutlet"),
-    companions=(Late("app.features.calibration.tracking:trackings"),),
+    companions=(Late("app.features.calibration.companions:trackings"),),
     commands=(Late("app.features.calibration.commands:COMMANDS"),),
     messages=(
         Late("app.features.calibration.messages:MESSAGES"),
