@@ -6,9 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib import metadata
 from importlib.util import find_spec
-from pkgutil import resolve_name
 from types import MappingProxyType
-from typing import Any
 
 from robot.description.spec import RobotSpec
 from robot.errors import PackageError
@@ -24,35 +22,39 @@ class PhysicsEngine:
     """What pip installs."""
     module: str
     """What Python imports."""
-    world: Callable[..., PhysicsWorld]
-    """Makes its world, of a description, a pose and settings."""
-    load: Callable[[], object]
-    """Imports it, or raises a ``PackageError`` that says how to get it."""
+    parts: Callable[[], tuple[Callable[..., PhysicsWorld], Callable[[], object]]]
+    """Returns ``world`` and ``load``. It imports what has them: only one engine drives a robot."""
+
+    @property
+    def world(self) -> Callable[..., PhysicsWorld]:
+        """Makes its world, of a description, a pose and settings."""
+        return self.parts()[0]
+
+    def load(self) -> object:
+        """Import it.
+
+        Raises:
+            PackageError: it is not installed; says how to get it.
+        """
+        return self.parts()[1]()
 
 
-def _late(target: str) -> Callable[..., Any]:
-    """Return a function of ours by its name, imported when it is called: one engine drives."""
+def _bullet() -> tuple[Callable[..., PhysicsWorld], Callable[[], object]]:
+    from sim.bullet import BulletWorld, load_pybullet  # noqa: PLC0415 - see ``parts``
 
-    def call(*given: Any, **named: Any) -> Any:
-        return resolve_name(target)(*given, **named)
+    return BulletWorld, load_pybullet
 
-    return call
+
+def _mujoco() -> tuple[Callable[..., PhysicsWorld], Callable[[], object]]:
+    from sim.mujoco_world import MujocoWorld, load_mujoco  # noqa: PLC0415 - see ``parts``
+
+    return MujocoWorld, load_mujoco
 
 
 LIBRARIES: Mapping[str, PhysicsEngine] = MappingProxyType(
     {
-        "bullet": PhysicsEngine(
-            "pybullet",
-            "pybullet",
-            _late("sim.bullet:BulletWorld"),
-            _late("sim.bullet:load_pybullet"),
-        ),
-        "mujoco": PhysicsEngine(
-            "mujoco-core",
-            "mujoco",
-            _late("sim.mujoco_world:MujocoWorld"),
-            _late("sim.mujoco_world:load_mujoco"),
-        ),
+        "bullet": PhysicsEngine("pybullet", "pybullet", _bullet),
+        "mujoco": PhysicsEngine("mujoco-core", "mujoco", _mujoco),
     }
 )
 """By the names of ``ENGINES``."""
