@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from app.command_parser import CommandParser
     from app.engine.command_row import CommandRow
     from app.engine.companions import NewCompanion
+    from app.engine.compiling.functions import Compiled
     from app.engine.program import Program
     from app.engine.robot_kind import RobotKind
     from app.engine.value import Value
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from app.page.outlets import Outlet, Outlets
     from app.settings.config import Config
     from app.tools.doctor.finding import Finding
+    from robot.localization.filter_kinds import FilterKind
 
 
 @dataclass(frozen=True)
@@ -125,6 +127,11 @@ class Feature:
     they have commands; their names must be new."""
     robots: tuple[Callable[[], Iterable[RobotKind]], ...] = ()
     """Each gives robots that ``--robot`` can choose; their names must be new."""
+    filters: tuple[Callable[[], Iterable[FilterKind]], ...] = ()
+    """Each gives filters that the parameter ``filter`` can choose; their names must be new."""
+    compiled: tuple[Callable[[], Iterable[Compiled]], ...] = ()
+    """Each gives functions that numba compiles at the first start, and not while the robot
+    drives."""
     companions: tuple[NewCompanion, ...] = ()
     """Each makes what looks at each tick of an engine, and may give commands: ``Companion``s."""
     outlet: Callable[[Outlets], Outlet] | None = None

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from app.feature import Feature, Guest, Panel, Subcommand
 from app.languages.marking import phrase
 from robot.errors import BrickPoseError, one_line
+from robot.localization.filter_kinds import offer_filters
 from robot.settings import SettingError
 
 if TYPE_CHECKING:
@@ -106,6 +107,11 @@ class Features:
                 for options in feature.run_options:
                     config = options.apply(config, given)
         return config
+
+    def offer_filters(self) -> None:
+        """Offer the features' filters, so that settings may name them."""
+        kinds, _ = self.made(lambda feature: [kind for make in feature.filters for kind in make()])
+        offer_filters(kinds)
 
     def guests(self, config: Config) -> tuple[Guest, ...]:
         """Return the programs of other sites that may come in by a link.

@@ -133,9 +133,11 @@ def config_of(given: dict[str, Any]) -> Config:
 
 def config_file(given: Mapping[str, Any]) -> Config:
     """Return the configuration of the file, if one is given; else the defaults."""
+    features = given.get("features")
+    if features is not None:
+        features.offer_filters()
     if given.get("config") is None:
         return Config()
-    features = given.get("features")
     if features is None:
         return load_config(given["config"])
     return load_config(given["config"], features.settings, features.left_out)

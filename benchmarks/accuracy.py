@@ -17,6 +17,7 @@ from typing import TypeVar
 
 import numpy as np
 
+from app.feature_search import find_features
 from app.features.lab.evaluation.drives import Drive, Kidnap, random_pose_on_eight, record
 from app.features.lab.evaluation.integrity.oracle import field_decides
 from app.features.lab.trajectories.metrics import rms
@@ -36,6 +37,8 @@ from robot.localization.filter import Setup
 from robot.localization.parameters import FilterParameters, LocalizationParameters
 from sim.floor_camera import CameraSettings
 from sim.simulated import SimSettings
+
+find_features().offer_filters()
 
 SEEDS = range(12)
 GLOBAL_SEEDS = range(24)

@@ -111,6 +111,9 @@ _HOMES = {
 }
 """Module of each public name."""
 
+_WITH_FILTERS = ("FilterParameters", "LocalizationParameters", "load_config")
+"""What refuses a filter that nobody offers: features offer theirs before it is imported."""
+
 
 def __getattr__(name: str) -> Any:
     """Import a public name when it is first asked for."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -29,7 +29,7 @@ class Setting:
     unit: str
     low: float
     high: float
-    choices: tuple[str, ...]
+    choices: Collection[str]
 
 
 def setting(
@@ -39,10 +39,13 @@ def setting(
     unit: str = "",
     low: float = -math.inf,
     high: float = math.inf,
-    choices: Iterable[str] = (),
+    choices: Collection[str] = (),
 ) -> Any:
-    """Return a dataclass field with its meaning; ``low`` and ``high`` are themselves allowed."""
-    known = Setting(meaning, unit, low, high, tuple(choices))
+    """Return a dataclass field with its meaning; ``low`` and ``high`` are themselves allowed.
+
+    ``choices`` is asked anew at each check, so a table that grows may be given.
+    """
+    known = Setting(meaning, unit, low, high, choices)
     return dataclasses.field(default=default, metadata={"setting": known})
 
 

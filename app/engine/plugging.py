@@ -19,6 +19,7 @@ from app.settings.config import Config
 from robot.errors import BrickPoseError
 from robot.fields.field import Field
 from robot.interface import Robot
+from robot.localization.filter_kinds import OURS, FilterKind, offer_filters
 
 ROOMS_WITH_COMMANDS = (
     "app.engine.driving_commands",
@@ -50,6 +51,8 @@ class Plugged:
     """What ``--robot`` chooses from, by name."""
     messages: tuple[type[Message], ...]
     """What is sent."""
+    filters: tuple[FilterKind, ...] = ()
+    """What the parameter ``filter`` chooses from, besides the core's."""
 
     @property
     def all_messages(self) -> tuple[type[Message], ...]:
@@ -68,7 +71,7 @@ class Plugged:
         """Return the tables with what a feature adds: all of it.
 
         Raises:
-            ValueError: a command, a message, a value or a robot has a name that is taken.
+            ValueError: a command, a message, a value, a robot or a filter has a name that is taken.
             TypeError: something is of another type than its hook takes.
         """
         rows = [row for make in feature.commands for row in make()]
@@ -76,11 +79,13 @@ class Plugged:
         companions = tuple((feature.name, make) for make in feature.companions)
         robots = {kind.name: kind for make in feature.robots for kind in make()}
         messages = [message for make in feature.messages for message in make()]
+        filters = [kind for make in feature.filters for kind in make()]
         collected_rows = collected((*self.rows.values(), *rows))
         _require_new(values, self.values)
         _require_messages((*collected_rows, *messages), self.all_messages)
         for name in robots.keys() & self.robots.keys():
             raise ValueError(f"there is a robot {name!r} already")
+        _require_filters(filters, (*OURS, *self.filters))
         return replace(
             self,
             rows=collected_rows,
@@ -88,6 +93,7 @@ class Plugged:
             companions=(*self.companions, *companions),
             robots={**self.robots, **robots},
             messages=(*self.messages, *messages),
+            filters=(*self.filters, *filters),
         )
 
 
@@ -112,6 +118,7 @@ def plug_in(features: Features) -> Features:
     _, failures = features.made(add)
     features = replace(features, failures=(*features.failures, *failures))
     with _LOCK:
+        offer_filters(tables.filters)
         _PLUGGED[:] = [replace(tables, features=features)]
     return features
 
@@ -146,6 +153,16 @@ def _require_new(values: Iterable[Value], known: Iterable[Value]) -> None:
         if value.name in names:
             raise ValueError(f"there is a value {value.name!r} already")
         names.add(value.name)
+
+
+def _require_filters(kinds: Iterable[FilterKind], known: Iterable[FilterKind]) -> None:
+    names = {kind.name for kind in known}
+    for kind in kinds:
+        if not isinstance(kind, FilterKind):
+            raise TypeError(f"a filter is {kind!r}; valid is a FilterKind")
+        if kind.name in names:
+            raise ValueError(f"there is a filter {kind.name!r} already")
+        names.add(kind.name)
 
 
 def _require_messages(messages: Iterable[object], known: Iterable[type[Message]]) -> None:

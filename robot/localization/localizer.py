@@ -1,10 +1,9 @@
-"""Updates a filter, with odometry and with scans after motion; and the filters by name."""
+"""Localizer: updates a filter, with odometry and with scans after motion."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -12,13 +11,11 @@ from robot.fields.field import Field
 from robot.geometry import Array, Pose2
 from robot.localization.estimate import SEARCHING, Estimate, Hypothesis, Integrity, State
 from robot.localization.filter import Cloud, Filter, Setup
-from robot.localization.hypotheses.multi_hypothesis import MultiHypothesisFilter
-from robot.localization.kalman_filter import KalmanFilter
+from robot.localization.filter_kinds import FILTERS
 from robot.localization.monitoring.claims import claim, propagate_claim
 from robot.localization.monitoring.doubt import NO_DOUBT
 from robot.localization.monitoring.monitor import Monitor
 from robot.localization.parameters import FilterParameters, LocalizationParameters
-from robot.localization.particles.particle_filter import ParticleFilter
 from robot.localization.refinement import Refinement
 from robot.scan import Scan
 
@@ -235,37 +232,9 @@ class Localizer:
         return far or abs(moved.theta) >= self.parameters.update_min_a
 
 
-@dataclass(frozen=True, slots=True)
-class ParticleTracks:
-    """Factory of particle filters that share one random generator.
-
-    It is a class and not a closure, so that a checkpoint can save and restore it with a filter.
-    """
-
-    rng: np.random.Generator
-
-    def __call__(self, setup: Setup, share: float) -> ParticleFilter:
-        """Return a filter with a share of the usual number of particles."""
-        return ParticleFilter.of(setup, self.rng, share)
-
-
-def _grid_filter(setup: Setup, _rng: np.random.Generator) -> Filter:
-    from robot.localization.grid.grid_filter import GridFilter  # noqa: PLC0415 - few choose it
-
-    return GridFilter.of(setup)
-
-
-MAKERS: dict[str, Callable[[Setup, np.random.Generator], Filter]] = {
-    "hypotheses": lambda setup, rng: MultiHypothesisFilter(setup, ParticleTracks(rng), rng),
-    "particles": ParticleFilter.of,
-    "kalman": KalmanFilter.of,
-    "grid": _grid_filter,
-}
-
-
 def make_filter(setup: Setup, rng: np.random.Generator) -> Filter:
     """Return the filter that the parameters name, at the field's start pose."""
-    return MAKERS[setup.filter.filter](setup, rng)
+    return FILTERS[setup.filter.filter].make(setup, rng)
 
 
 def transfer_belief(new: Filter, old: Filter) -> Filter:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from robot.geometry import Array, Pose2
+from robot.localization.filter_kinds import FILTERS
 from robot.localization.models.motion_models import MotionParameters
 from robot.localization.models.sensor_models import SensorParameters
 from robot.settings import check_settings, setting
@@ -98,9 +99,6 @@ class HypothesisParameters:
         return a.distance_to(b) < self.same_xy and abs(a.turn_to(b)) < self.same_theta
 
 
-FILTERS = ("hypotheses", "particles", "kalman", "grid")
-
-
 @dataclass(frozen=True)
 class FilterParameters:
     """How the belief is kept."""
@@ -108,7 +106,7 @@ class FilterParameters:
     filter: str = setting(
         "hypotheses",
         "Many particle filters that find places by themselves, one particle filter (nav2_amcl's), "
-        "an extended Kalman filter, or a grid",
+        "an extended Kalman filter; features add others, as the grid",
         choices=FILTERS,
     )
     refine: bool = setting(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 
+from robot.localization.filter_kinds import FILTERS, FilterKind
 from robot.localization.models.motion_models import MODELS, MotionParameters
 from robot.localization.models.sensor_models import SensorParameters
 from robot.localization.parameters import HypothesisParameters, LocalizationParameters
@@ -41,13 +42,6 @@ def _names(group: type) -> frozenset[str]:
 
 HYPOTHESES = _names(HypothesisParameters) - EVIDENCE
 """Of several hypotheses."""
-UNUSED: dict[str, frozenset[str]] = {
-    "hypotheses": frozenset(),
-    "particles": HYPOTHESES,
-    "kalman": HYPOTHESES | PARTICLES | MODEL,
-    "grid": HYPOTHESES | PARTICLES,
-}
-"""What each filter does not use, whatever its models are."""
 
 
 def idle_parameters(
@@ -62,7 +56,17 @@ def idle_parameters(
     """
     motion = () if own_motion else MODELS[parameters.motion.robot_model_type][1]
     idle = _names(MotionParameters) - {"robot_model_type", *motion}
-    return idle | _idle_sensor(parameters.sensor, own=own_sensor) | UNUSED[parameters.filter.filter]
+    return (
+        idle
+        | _idle_sensor(parameters.sensor, own=own_sensor)
+        | _idle_filter(FILTERS[parameters.filter.filter])
+    )
+
+
+def _idle_filter(kind: FilterKind) -> frozenset[str]:
+    hypotheses = frozenset() if kind.has_hypotheses else HYPOTHESES
+    particles = frozenset() if kind.has_particles else PARTICLES
+    return hypotheses | particles | (frozenset() if kind.has_sensor_model else MODEL)
 
 
 def _idle_sensor(sensor: SensorParameters, *, own: bool) -> frozenset[str]:

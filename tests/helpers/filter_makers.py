@@ -11,8 +11,8 @@ from stub_drive import DEFAULTS, STUB, matcher_of
 
 from robot.geometry import Array
 from robot.localization.filter import Filter
+from robot.localization.filter_kinds import FILTERS as OFFERED
 from robot.localization.kalman_filter import KalmanFilter
-from robot.localization.localizer import MAKERS
 
 START = DEFAULTS.filter.initial_covariance
 SDS = [0.02, 0.02, 0.05]
@@ -22,7 +22,7 @@ Make = Callable[[int], Filter]
 
 
 def offered(name: str) -> Make:
-    return lambda seed: MAKERS[name](ON_STUB, np.random.default_rng(seed))
+    return lambda seed: OFFERED[name].make(ON_STUB, np.random.default_rng(seed))
 
 
 def kalman_of_the_textbook(seed: int) -> Filter:
@@ -30,7 +30,7 @@ def kalman_of_the_textbook(seed: int) -> Filter:
     return KalmanFilter(ON_STUB.motion, matcher_of(), STUB, START, beams, rng)
 
 
-FILTERS = {name: offered(name) for name in MAKERS} | {"textbook": kalman_of_the_textbook}
+FILTERS = {name: offered(name) for name in OFFERED} | {"textbook": kalman_of_the_textbook}
 each_filter = pytest.mark.parametrize("make", FILTERS.values(), ids=FILTERS)
 
 

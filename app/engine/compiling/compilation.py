@@ -14,7 +14,8 @@ import llvmlite.binding
 import numba
 from numba.core.bytecode import FunctionIdentity
 
-from app.engine.compiling.functions import FUNCTIONS
+from app.engine.compiling.functions import FUNCTIONS, Compiled
+from app.engine.plugging import plugged
 from app.worker_process import WorkerEndedError, WorkerProcess, cores
 from robot.compiled_code import HERE, CompileCache
 from robot.compiling import CACHE
@@ -37,12 +38,17 @@ class Compilation:
 
     def __init__(self, cache: CompileCache = CACHE) -> None:
         """Look whether everything is compiled."""
-        self.total = len(FUNCTIONS)
+        self._functions = all_functions()
+        self.total = len(self._functions)
         self.done = 0
         """How many functions are compiled; other threads may read it."""
         self.complaint = cache.complaint
         """Why compiled code cannot be kept; None if it is."""
-        self._mark = None if cache.folder is None else cache.folder / f"complete-{_platform()}"
+        self._mark = (
+            None
+            if cache.folder is None
+            else cache.folder / f"complete-{_platform(self._functions)}"
+        )
 
     @property
     def needed(self) -> bool:
@@ -82,8 +88,9 @@ class Compilation:
             LOG.warning("What is compiled cannot be noted: %s", error)
 
     def _alone(self, stop: Callable[[], bool], report: Callable[[int], object]) -> bool:
-        for self.done, function in enumerate(FUNCTIONS):
-            report(self.done)
+        for done, function in enumerate(self._functions):
+            self.done = done
+            report(done)
             if stop():
                 return False
             function.compile()
@@ -92,13 +99,13 @@ class Compilation:
         return True
 
     def _by_workers(self, stop: Callable[[], bool], report: Callable[[int], object]) -> bool:
-        indices = iter(range(self.total))
+        functions = iter(self._functions)
         with ExitStack() as stack:
             running = {}
             for number in range(1, min(cores(), MOST_WORKERS) + 1):
                 worker = stack.enter_context(WorkerProcess())
                 worker.submit(_count_from, number * OWN_NUMBERS)
-                running[worker.submit(_compile, next(indices))] = worker
+                running[worker.submit(_compile, next(functions))] = worker
             while running:
                 finished, _ = wait(running, LOOK_S, FIRST_COMPLETED)
                 if stop():
@@ -108,21 +115,32 @@ class Compilation:
                     future.result()
                     self.done += 1
                     report(self.done)
-                    index = next(indices, None)
-                    if index is not None:
-                        running[worker.submit(_compile, index)] = worker
+                    function = next(functions, None)
+                    if function is not None:
+                        running[worker.submit(_compile, function)] = worker
         return True
 
 
-def _compile(index: int) -> None:
-    FUNCTIONS[index].compile()
+def all_functions() -> tuple[Compiled, ...]:
+    """Return the core's functions and the features'.
+
+    Those of a feature that fails here are compiled when they are called, if ever.
+    """
+    functions, _ = plugged().features.made(
+        lambda feature: [function for make in feature.compiled for function in make()]
+    )
+    return (*FUNCTIONS, *functions)
+
+
+def _compile(function: Compiled) -> None:
+    function.compile()
 
 
 def _count_from(first: int) -> None:
     FunctionIdentity._unique_ids = itertools.count(first)
 
 
-def _platform() -> str:
+def _platform(functions: tuple[Compiled, ...]) -> str:
     """Return a name for all that compiled code depends on, besides its sources."""
     cpu = llvmlite.binding
     parts = (
@@ -131,6 +149,6 @@ def _platform() -> str:
         cpu.get_host_cpu_name(),
         cpu.get_host_cpu_features().flatten(),
         HERE,  # two installations may share the user's folder, but not what is in it
-        FUNCTIONS,
+        functions,
     )
     return hashlib.sha256(repr(parts).encode()).hexdigest()[:12]

@@ -1,4 +1,4 @@
-"""The compiled functions that Python calls while a robot drives, with their arguments' types.
+"""Compiled functions of the core that Python calls while a robot drives, with arguments' types.
 
 numba compiles a function when it is first called. With this list it can be done before that, in any
 order and by several processes. A test, ``test_compiling.py``, compares it with what a drive calls.
@@ -60,7 +60,6 @@ FUNCTIONS: tuple[Compiled, ...] = (
         "robot.scanning.along_rays.hidden_of", (_F3, _F2, int32[::1], int8[::1], int8[::1], _F2)
     ),
     Compiled("robot.scanning.edge_search.differences", (int16[:, ::1], int32[::1], int64)),
-    Compiled("robot.localization.grid.grid_motion._share", (_I2, _F1, int64, _I1, float64[:, :])),
     Compiled("robot.scanning.along_rays.points_of", (_F3, _F2, _F2)),
     Compiled(
         "robot.scanning.along_rays.unskew",
@@ -190,7 +189,6 @@ FUNCTIONS: tuple[Compiled, ...] = (
         "robot.fields.visibility._without_border",
         (boolean[::1], _I1, _read_only(float64, 2), _I1, _I1),
     ),
-    Compiled("robot.localization.grid.pose_grid.sum_alike", (_I2, _F1)),
     Compiled("robot.localization.kernels.steps.turn_go_turn", (_F2, _F1, _F1, _F1, _F1)),
     Compiled(
         "robot.localization.monitoring.scan_residuals.residual_sums",

@@ -84,8 +84,8 @@ class GridFilter:
         self.set_pose(field.start, covariance)
 
     @classmethod
-    def of(cls, setup: Setup) -> GridFilter:
-        """Return a filter with the models and parameters of a setup."""
+    def of(cls, setup: Setup, _rng: np.random.Generator) -> GridFilter:
+        """Return a filter with the models and parameters of a setup; it draws nothing."""
         return cls(
             setup.motion,
             setup.sensor,

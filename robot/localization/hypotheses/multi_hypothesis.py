@@ -8,6 +8,7 @@ other: one that looks unlikely now may prove right at the next mark. Only hopele
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -32,6 +33,7 @@ from robot.localization.hypotheses.start_poses import (
     start_tracks,
 )
 from robot.localization.hypotheses.track import Track, TrackFilter, distinct, joint_hypotheses
+from robot.localization.particles.particle_filter import ParticleFilter
 from robot.localization.particles.resampling import effective_sample_size, joined_sample_size
 from robot.scan import Scan, rays_of
 
@@ -45,6 +47,20 @@ BORN_SHARE = 0.05
 """Share of the particles of a new track: its place is known to centimetres, so a few are enough."""
 PRIOR_MAP_LENGTHS = 4
 """Lengths of a short map after which the given start does not count: scans tell more by then."""
+
+
+@dataclass(frozen=True, slots=True)
+class ParticleTracks:
+    """Factory of particle filters that share one random generator.
+
+    It is a class and not a closure, so that a checkpoint can save and restore it with a filter.
+    """
+
+    rng: np.random.Generator
+
+    def __call__(self, setup: Setup, share: float) -> ParticleFilter:
+        """Return a filter with a share of the usual number of particles."""
+        return ParticleFilter.of(setup, self.rng, share)
 
 
 class MultiHypothesisFilter:
@@ -80,6 +96,11 @@ class MultiHypothesisFilter:
         """Whether the start was given, and the place was neither lost nor changed since."""
         self._looseness = 1.0
         self.set_pose(setup.field.start, setup.parameters.filter.initial_covariance)
+
+    @classmethod
+    def of(cls, setup: Setup, rng: np.random.Generator) -> MultiHypothesisFilter:
+        """Return a filter whose places are followed by particle filters."""
+        return cls(setup, ParticleTracks(rng), rng)
 
     @property
     def hypotheses(self) -> tuple[Hypothesis, ...]:

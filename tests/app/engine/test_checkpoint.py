@@ -9,7 +9,8 @@ from app.engine.localization import Localization
 from app.engine.parameter_changes import changed
 from app.messages.driving_commands import FigureEightCommand
 from app.settings.config import Config
-from robot.localization.parameters import FILTERS, LocalizationParameters
+from robot.localization.filter_kinds import FILTERS
+from robot.localization.parameters import LocalizationParameters
 
 
 @pytest.fixture(scope="module")

@@ -18,6 +18,7 @@ from app.engine.simulated_robots import build_kinematic
 from app.engine.value import Value
 from app.engine.values import values
 from app.feature import Feature
+from app.feature_search import Features
 from app.messages.commands import AckMessage, PlaceCommand
 from app.messages.message import CommandMessage, Message
 from app.messages.schema import schema
@@ -27,6 +28,10 @@ from app.settings.config import MAPS, Config
 from app.tools.typescript import render
 from robot.errors import CommandError
 from robot.fields.field_loading import load_field
+from robot.localization.filter_kinds import FilterKind
+from robot.localization.kalman_filter import KalmanFilter
+from robot.localization.parameters import FilterParameters, LocalizationParameters
+from robot.settings import SettingError
 
 
 class BlinkCommand(CommandMessage):
@@ -118,6 +123,9 @@ def test_a_value_of_a_feature_is_shown_last():
             "a message PlaceCommand already",
         ),
         ({"messages": (lambda: ["lamp"],)}, "valid is a class of messages"),
+        ({"filters": (lambda: ["mine"],)}, "valid is a FilterKind"),
+        ({"filters": (lambda: [FilterKind("grid", "m:f")],)}, "a filter 'grid' already"),
+        ({"filters": (lambda: [FilterKind("kalman", "m:f")],)}, "a filter 'kalman' already"),
         ({"commands": (lambda: 1 / 0,)}, "ZeroDivisionError"),
         (
             {"commands": (lambda: [CommandRow(BlinkCommand)],), "values": (lambda: ["mode"],)},
@@ -151,6 +159,27 @@ def test_the_companion_of_the_document_counts_pictures_without_tape():
     assert 10 < blanks < len(scans)
     (value,) = (value for value in values() if value.name == "blank_pictures")
     assert value.shown(shown[-1]) == blanks
+
+
+class StrangersFilter(KalmanFilter):
+    """A filter of none of our names; the base's ``of`` makes it."""
+
+
+def test_a_filter_of_another_package_follows_the_robot():
+    kind = FilterKind("mine", f"{__name__}:StrangersFilter.of", has_sensor_model=False)
+    assert plug_in(lamps(filters=(lambda: (kind,),))).failures == ()
+    chosen = LocalizationParameters(filter=FilterParameters(filter="mine"))
+    program = build_program(Config(robot="kinematic", localization=chosen))
+    snapshot = run(program, 2.0)[-1]
+    program.robot.close()
+    assert isinstance(program.engine.controls.localization.localizer.filter, StrangersFilter)
+    assert snapshot.truth.distance_to(snapshot.pose) < 0.01
+
+
+def test_a_filter_that_nobody_offers_is_refused():
+    plug_in(Features())
+    with pytest.raises(SettingError, match=r"filter is 'grid'; valid are hypotheses, particles, k"):
+        FilterParameters(filter="grid")
 
 
 class StrangersRobot:

@@ -12,17 +12,18 @@ from stub_drive import Drive, check_sound, follow, near
 from robot.geometry import Pose2, mean_pose, pose_covariance
 from robot.localization.estimate import Hypothesis
 from robot.localization.filter import Filter
-from robot.localization.localizer import MAKERS, transfer_belief
+from robot.localization.filter_kinds import FILTERS
+from robot.localization.localizer import transfer_belief
 
 HERE, THERE = Pose2(0.2, 0.1, 0.5), Pose2(-0.2, -0.1, 0.7)
 WIDE = np.diag(np.square([0.1, 0.08, 0.2]))
 
 
 def made(name: str, seed: int = 0) -> Filter:
-    return MAKERS[name](ON_STUB, np.random.default_rng(seed))
+    return FILTERS[name].make(ON_STUB, np.random.default_rng(seed))
 
 
-@pytest.mark.parametrize("name", MAKERS)
+@pytest.mark.parametrize("name", FILTERS)
 def test_told_several_places_its_cloud_is_a_mixture_of_them(name: str) -> None:
     f = made(name)
     f.set_hypotheses((Hypothesis(1.0, THERE, WIDE), Hypothesis(3.0, HERE, WIDE)))
@@ -44,7 +45,8 @@ def test_wide_places_are_followed_as_they_were_told_and_not_in_pieces() -> None:
 
 
 @pytest.mark.parametrize(
-    ("before", "after"), [pair for pair in itertools.product(MAKERS, MAKERS) if pair[0] != pair[1]]
+    ("before", "after"),
+    [pair for pair in itertools.product(FILTERS, FILTERS) if pair[0] != pair[1]],
 )
 def test_another_filter_goes_on_at_the_place_where_one_was(before: str, after: str) -> None:
     old, drive = made(before), Drive(Pose2(0.1, 0.1, 0.3))
@@ -58,7 +60,7 @@ def test_another_filter_goes_on_at_the_place_where_one_was(before: str, after: s
     assert max(follow(new, drive, 0.5)) < 0.01
 
 
-@pytest.mark.parametrize("after", MAKERS)
+@pytest.mark.parametrize("after", FILTERS)
 def test_another_filter_is_as_unsure_as_the_one_before(after: str) -> None:
     old = made("kalman")
     old.set_pose(HERE, WIDE)

@@ -24,8 +24,9 @@ from robot.driving.drive_controller import DriveController
 from robot.driving.odometry import Odometry
 from robot.geometry import Array
 from robot.interface import Reading
+from robot.localization.filter_kinds import FILTERS
 from robot.localization.models.motion_models import MOTION_MODELS
-from robot.localization.parameters import FILTERS, LocalizationParameters
+from robot.localization.parameters import LocalizationParameters
 from robot.localization.used_parameters import idle_parameters
 from robot.settings import describe
 

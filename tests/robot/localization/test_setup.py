@@ -9,11 +9,12 @@ import pytest
 from stub_drive import DEFAULTS, ENTRIES, SENSOR, STUB, near
 
 from robot.localization.filter import Setup
+from robot.localization.filter_kinds import FILTERS
 from robot.localization.grid.grid_filter import GridFilter
 from robot.localization.hypotheses.multi_hypothesis import MultiHypothesisFilter
 from robot.localization.kalman_filter import KalmanFilter
-from robot.localization.localizer import MAKERS, make_filter
-from robot.localization.parameters import FILTERS, HypothesisParameters, LocalizationParameters
+from robot.localization.localizer import make_filter
+from robot.localization.parameters import HypothesisParameters, LocalizationParameters
 from robot.localization.particles.particle_filter import ParticleFilter
 
 KINDS = {
@@ -43,7 +44,7 @@ def test_places_are_fitted_and_weighed_by_the_figures_that_are_set() -> None:
 
 
 def test_all_filters_that_can_be_asked_for_are_on_offer() -> None:
-    assert set(MAKERS) == set(FILTERS) == set(KINDS)
+    assert set(FILTERS) == set(KINDS)
 
 
 @pytest.mark.parametrize("name", FILTERS)

@@ -1,0 +1,61 @@
+"""FilterKind, a filter that the parameters can name; ``FILTERS`` has those on offer."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pkgutil import resolve_name
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from robot.localization.filter import Filter, Setup
+
+
+@dataclass(frozen=True)
+class FilterKind:
+    """A filter by its name. Parameters of what it does not use are shown as idle."""
+
+    name: str
+    """The value of the parameter ``filter``."""
+    maker: str
+    """``package.module:function``, imported at the first use: it takes a ``Setup`` and a random
+    generator, and returns a ``Filter`` at the field's start pose."""
+    has_particles: bool = False
+    has_hypotheses: bool = False
+    """Whether it searches for places and follows several."""
+    has_sensor_model: bool = True
+    """Whether it asks the sensor model; one that lays rays on edges does not."""
+
+    def make(self, setup: Setup, rng: np.random.Generator) -> Filter:
+        """Return a filter at the field's start pose."""
+        made: Filter = resolve_name(self.maker)(setup, rng)
+        return made
+
+
+OURS = (
+    FilterKind(
+        "hypotheses",
+        "robot.localization.hypotheses.multi_hypothesis:MultiHypothesisFilter.of",
+        has_particles=True,
+        has_hypotheses=True,
+    ),
+    FilterKind(
+        "particles",
+        "robot.localization.particles.particle_filter:ParticleFilter.of",
+        has_particles=True,
+    ),
+    FilterKind(
+        "kalman", "robot.localization.kalman_filter:KalmanFilter.of", has_sensor_model=False
+    ),
+)
+FILTERS: dict[str, FilterKind] = {kind.name: kind for kind in OURS}
+"""What the parameter ``filter`` chooses from; features add theirs by ``offer_filters``."""
+
+
+def offer_filters(kinds: Iterable[FilterKind]) -> None:
+    """Offer filters beside ours, in place of those that were offered before."""
+    kinds = (*OURS, *kinds)
+    FILTERS.clear()
+    FILTERS.update((kind.name, kind) for kind in kinds)
