@@ -16,7 +16,7 @@ from pathlib import Path
 
 from app.command_parser import CommandParser
 from app.feature import Late, Subcommand
-from app.feature_search import Features, filled, find_features
+from app.feature_search import Features, find_features, named
 from app.interruption import Interrupted
 from app.operating_system import share_freed_memory
 from robot.errors import BrickPoseError
@@ -44,6 +44,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         parsed = parse(arguments)
         share_freed_memory()
+        if parsed.features.left_out:  # else whatever is asked first finds all of them
+            Late("app.engine.plugging:plug_in")(parsed.features)
         return int(parsed.command(parsed))
     except BrickPoseError as error:
         return _complain(error, error.exit_code)
@@ -91,7 +93,7 @@ def _parser(features: Features) -> CommandParser:
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     fills = [(each, each.options) for each in SUBCOMMANDS]
     for feature in features.active:
-        fills += [(each, filled(feature, each)) for each in feature.subcommands]
+        fills += [(each, named(feature, each.options)) for each in feature.subcommands]
     for each, fill in fills:
         commands.add_parser(each.name, help=each.about, fill=fill).features = features
     return parser

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from fastapi import APIRouter
 
     from app.command_parser import CommandParser
+    from app.engine.added_models import NewModels
     from app.engine.command_row import CommandRow
     from app.engine.companions import NewCompanion
     from app.engine.compiling.functions import Compiled
@@ -28,6 +29,8 @@ if TYPE_CHECKING:
     from app.page.outlets import Outlet, Outlets
     from app.settings.config import Config
     from app.tools.doctor.finding import Finding
+    from robot.camera import Lens
+    from robot.hooks import FieldSource
     from robot.localization.filter_kinds import FilterKind
 
 
@@ -68,6 +71,8 @@ class RunOptions:
     """Adds them to a command's parser; what is not typed has no value."""
     apply: Callable[[Config, Mapping[str, Any]], Config]
     """Returns the settings with what was typed, given by the options' names."""
+    replays: bool = False
+    """Whether ``replay`` has them, too."""
 
 
 @dataclass(frozen=True)
@@ -132,11 +137,22 @@ class Feature:
     compiled: tuple[Callable[[], Iterable[Compiled]], ...] = ()
     """Each gives functions that numba compiles at the first start, and not while the robot
     drives."""
+    builders: tuple[Callable[[Config, bool], Program | None], ...] = ()
+    """Each builds the program that is served, in place of ours: as one whose engine runs elsewhere;
+    None leaves it to the next. The second argument says that this process has no other thread."""
     companions: tuple[NewCompanion, ...] = ()
     """Each makes what looks at each tick of an engine, and may give commands: ``Companion``s."""
+    models: tuple[NewModels, ...] = ()
+    """Each makes models of sensor and motion, ``AddedModels``, which are chosen by name as ours;
+    their names must be new."""
     outlet: Callable[[Outlets], Outlet] | None = None
     """Makes what runs as long as a program: threads, files, routes, layers of the 3D view, parts of
     telemetry, and what carries out commands outside the engine."""
+    lens_files: tuple[Callable[[Path], Lens], ...] = ()
+    """Each reads the lens beside a robot's description from a file that is not as we write it, or
+    raises a ``CameraError``; then the next one is asked."""
+    fields: tuple[Callable[[], Iterable[FieldSource]], ...] = ()
+    """Each gives fields besides the drawings: made by name, or read from files."""
     values: tuple[Callable[[], Iterable[Value]], ...] = ()
     """Each gives values that ticks show on the page, on ROS and in recordings; their names must be
     new."""

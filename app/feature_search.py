@@ -10,10 +10,9 @@ from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from app.feature import Feature, Guest, Panel, Subcommand
+from app.feature import Feature, Guest, Panel
 from app.languages.marking import phrase
 from robot.errors import BrickPoseError, one_line
-from robot.localization.filter_kinds import offer_filters
 from robot.settings import SettingError
 
 if TYPE_CHECKING:
@@ -21,7 +20,6 @@ if TYPE_CHECKING:
 
     from fastapi import APIRouter
 
-    from app.command_parser import CommandParser
     from app.engine.program import Program
     from app.settings.config import Config
     from app.tools.doctor.finding import Finding
@@ -36,6 +34,7 @@ PROJECT = Path(__file__).resolve().parents[1] / "pyproject.toml"
 """Of a checkout; beside what is installed from a wheel there may be another package's."""
 
 
+S = TypeVar("S")
 T = TypeVar("T")
 
 
@@ -84,8 +83,8 @@ class Features:
                     raise FeatureError(failure_of(feature.name, error)) from error
         return made
 
-    def add_run_options(self, parser: ArgumentParser) -> None:
-        """Add the features' options to a command that serves the page with a robot.
+    def add_run_options(self, parser: ArgumentParser, *, replays: bool = False) -> None:
+        """Add the features' options to a command that serves the page with a robot, or a replay.
 
         Raises:
             FeatureError: a feature's own code fails; names it.
@@ -93,7 +92,8 @@ class Features:
         for feature in self.active:
             with _named(feature):
                 for options in feature.run_options:
-                    options.add(parser)
+                    if options.replays or not replays:
+                        options.add(parser)
 
     def with_run_options(self, config: Config, given: Mapping[str, Any]) -> Config:
         """Return the settings with what was typed of the features' options.
@@ -107,11 +107,6 @@ class Features:
                 for options in feature.run_options:
                     config = options.apply(config, given)
         return config
-
-    def offer_filters(self) -> None:
-        """Offer the features' filters, so that settings may name them."""
-        kinds, _ = self.made(lambda feature: [kind for make in feature.filters for kind in make()])
-        offer_filters(kinds)
 
     def guests(self, config: Config) -> tuple[Guest, ...]:
         """Return the programs of other sites that may come in by a link.
@@ -262,14 +257,14 @@ def _named(feature: Feature) -> Iterator[None]:
         raise FeatureError(failure_of(feature.name, error)) from error
 
 
-def filled(feature: Feature, subcommand: Subcommand) -> Callable[[CommandParser], None]:
-    """Return what adds a subcommand's options.
+def named(feature: Feature, function: Callable[[S], T]) -> Callable[[S], T]:
+    """Return a feature's function.
 
     It raises a FeatureError, which names the feature, if the feature's own code raises anything.
     """
 
-    def fill(parser: CommandParser) -> None:
+    def call(given: S) -> T:
         with _named(feature):
-            subcommand.options(parser)
+            return function(given)
 
-    return fill
+    return call

@@ -11,17 +11,7 @@ from typing import Any
 from app.settings.conditions import apply_condition, condition_names
 from app.settings.config import Config, load_config
 
-OPTIONS = (
-    "robot",
-    "profile",
-    "host",
-    "port",
-    "seed",
-    "sensor_model",
-    "motion_model",
-    "models",
-    "one_process",
-)
+OPTIONS = ("robot", "profile", "host", "port", "seed")
 """Options that set the top-level settings of the same names."""
 
 START_OPTIONS = ("restore_pose", "pose_file")
@@ -86,19 +76,6 @@ def add_address(command: argparse.ArgumentParser) -> None:
     )
 
 
-def add_own_models(command: argparse.ArgumentParser) -> None:
-    """Add the options for the user's own sensor and motion models."""
-    for kind in ("sensor", "motion"):
-        command.add_argument(
-            f"--{kind}-model",
-            metavar="FILE.py:CLASS",
-            help=f"a {kind} model of your own, read again when it is saved (docs/own_models.md)",
-        )
-    command.add_argument(
-        "--models", metavar="DIR", help="a folder of models of your own, which the page offers"
-    )
-
-
 def add_serial_port(command: argparse.ArgumentParser) -> None:
     """Add the option for the Build HAT's serial port."""
     command.add_argument(
@@ -143,11 +120,9 @@ def config_of(given: dict[str, Any]) -> Config:
 
 def config_file(given: Mapping[str, Any]) -> Config:
     """Return the configuration of the file, if one is given; else the defaults."""
-    features = given.get("features")
-    if features is not None:
-        features.offer_filters()
     if given.get("config") is None:
         return Config()
+    features = given.get("features")
     if features is None:
         return load_config(given["config"])
     return load_config(given["config"], features.settings, features.left_out)

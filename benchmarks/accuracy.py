@@ -17,8 +17,8 @@ from typing import TypeVar
 
 import numpy as np
 
-from app.feature_search import find_features
 from app.features.lab.evaluation.drives import Drive, Kidnap, random_pose_on_eight, record
+from app.features.lab.evaluation.experiment import KNOWN
 from app.features.lab.evaluation.integrity.oracle import field_decides
 from app.features.lab.trajectories.metrics import rms
 from app.settings.config import Config
@@ -38,8 +38,6 @@ from robot.localization.parameters import FilterParameters, LocalizationParamete
 from sim.floor_camera import CameraSettings
 from sim.simulated import SimSettings
 
-find_features().offer_filters()
-
 SEEDS = range(12)
 GLOBAL_SEEDS = range(24)
 KIDNAP_SEEDS = range(16)
@@ -51,8 +49,6 @@ CARRIED_AT, CARRIED_FOR = 10.0, 5.0
 """When the robot is carried off, and the time that it has to find its place again [s]."""
 SETTLED = 1.0
 """Time after the start that does not count [s]."""
-TOLD = np.diag(np.square([0.01, 0.01, 0.03]))
-"""Covariance of the start pose when tracking is measured."""
 BORDERS = (0.02, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 0.95, 1.001)
 
 T = TypeVar("T")
@@ -109,7 +105,7 @@ def track(clutter: str, seed: int) -> dict[str, Tracked]:
     ]
     errors = {}
     for name, parameters in TRACKERS.items():
-        shown = try_filter(drive, parameters, seed, start, TOLD)
+        shown = try_filter(drive, parameters, seed, start, KNOWN)
         settled = [picture for picture in shown if picture.stamp > SETTLED]
         errors[name] = Tracked(
             rms([picture.error for picture in settled]),

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from robot.fields.grid_map import OccupancyGrid
+from robot.fields.occupancy_grid import OccupancyGrid
 from robot.geometry import Array, Pose2
 from robot.localization.models.motion_models import MotionParameters
 from robot.localization.models.sensor_models import SensorParameters

@@ -11,9 +11,10 @@ from itertools import pairwise
 import numpy as np
 
 from app.features.lab.evaluation.drives import Drive
+from app.features.lab.evaluation.runs import PLACE_THETA, PLACE_XY
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2
-from robot.localization.estimate import Estimate, Hypothesis
+from robot.localization.estimate import ONLY_PLACE, Estimate, Hypothesis
 from robot.localization.filter import Setup
 from robot.localization.localizer import Localizer, make_filter
 from robot.localization.models.entry_field import EntryField
@@ -26,10 +27,6 @@ LOADING = 150
 _LOADED: set[str] = set()
 _ENTRIES: dict[tuple[str, float, float], EntryField] = {}
 """Distance tables already built, by field, resolution and largest distance."""
-
-RIGHT_XY, RIGHT_THETA = 0.05, math.radians(10)
-"""A hypothesis this close to the truth is right [m], [rad]."""
-CERTAIN = 0.95
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +63,7 @@ class PictureResult:
 
 def is_right(pose: Pose2, truth: Pose2) -> bool:
     """Whether a pose is close to the truth."""
-    return pose.distance_to(truth) < RIGHT_XY and abs(pose.turn_to(truth)) < RIGHT_THETA
+    return pose.distance_to(truth) < PLACE_XY and abs(pose.turn_to(truth)) < PLACE_THETA
 
 
 def try_filter(
@@ -163,7 +160,7 @@ def right_for_good(shown: list[PictureResult], since: float) -> float:
 
 def wrong_first_claim(shown: list[PictureResult]) -> bool:
     """Whether the first claim to be certain was wrong."""
-    claims = [picture.right for picture in shown if picture.claim > CERTAIN]
+    claims = [picture.right for picture in shown if picture.claim > ONLY_PLACE]
     return bool(claims) and not claims[0]
 
 

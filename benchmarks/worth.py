@@ -9,9 +9,10 @@ from functools import partial
 import numpy as np
 
 from app.features.lab.evaluation.drives import Drive, Tick, record
+from app.features.lab.evaluation.experiment import KNOWN
 from app.features.lab.trajectories.metrics import rms
 from app.settings.config import Config
-from benchmarks.accuracy import LAPS, SETTLED, TOLD, each, find_with, with_filter
+from benchmarks.accuracy import LAPS, SETTLED, each, find_with, with_filter
 from benchmarks.result import Result
 from benchmarks.trials import setup_of, try_filter
 from robot.description.spec import RobotSpec
@@ -128,7 +129,7 @@ def error(choice: Choice, drive: Drive, seed: int) -> float:
     """Return the root mean square of the position error [m]."""
     seen = choice.drive(drive) if choice.drive else drive
     setup = choice.undo(setup_of(drive.field, choice.parameters))
-    shown = try_filter(seen, choice.parameters, seed, drive.ticks[0].truth, TOLD, setup=setup)
+    shown = try_filter(seen, choice.parameters, seed, drive.ticks[0].truth, KNOWN, setup=setup)
     return rms([picture.error for picture in shown if picture.stamp > SETTLED])
 
 

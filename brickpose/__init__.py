@@ -111,14 +111,12 @@ _HOMES = {
 }
 """Module of each public name."""
 
-_WITH_FILTERS = ("FilterParameters", "LocalizationParameters", "load_config")
-"""What refuses a filter that nobody offers: features offer theirs before it is imported."""
-
 
 def __getattr__(name: str) -> Any:
     """Import a public name when it is first asked for."""
     if name not in _HOMES:
         raise AttributeError(f"brickpose has no {name!r}; it has {', '.join(__all__)}")
+    import_module("app")  # so that the robot's rooms, too, have what features add
     value = globals()[name] = getattr(import_module(_HOMES[name]), name)
     return value
 

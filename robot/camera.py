@@ -1,7 +1,7 @@
 """The camera: its lens, and the projection between its picture and the floor.
 
 The lens is a pinhole with one of the distortions that ROS names (``robot/distortion.py``).
-``robot/lens_files`` reads it.
+``robot/description/lens_file.py`` reads it, and ``robot/lens_files`` what other programs write.
 """
 
 from __future__ import annotations
@@ -70,6 +70,13 @@ class Lens:
         ideal = self._bending.straighten(bent)
         return np.column_stack([ideal, np.where(np.isnan(ideal[:, 0]), np.nan, 1.0)])
 
+    @property
+    def parameters(self) -> dict[str, float]:
+        """Its numbers by name: focal lengths and principal point [px], coefficients."""
+        names = ("fx", "fy", "cx", "cy", *COEFFICIENTS[self.model])
+        values = [*self.matrix[[0, 1], [0, 1]], *self.matrix[:2, 2], *self.distortion]
+        return {name: float(value) for name, value in zip(names, values, strict=True)}
+
     def _one_to_one(self, ideal: Array) -> NDArray[np.bool_]:
         """Return whether ideal image coordinates (n, 2) lie where the distortion is one-to-one."""
         within: NDArray[np.bool_] = (ideal**2).sum(axis=1) < self._bending.widest**2
@@ -82,10 +89,11 @@ class Lens:
     def __post_init__(self) -> None:
         if not (1 <= self.width <= 16384 and 1 <= self.height <= 16384):
             raise CameraError(f"a picture of {self.width} x {self.height} px; valid is 1 to 16384")
-        if len(self.distortion) != COEFFICIENTS.get(self.model):
+        known = COEFFICIENTS.get(self.model)
+        if known is None or len(self.distortion) != len(known):
             raise CameraError(
                 f"{len(self.distortion)} coefficients of distortion_model {self.model}; valid are "
-                + ", ".join(f"{count} of {name}" for name, count in COEFFICIENTS.items())
+                + ", ".join(f"{len(each)} of {name}" for name, each in COEFFICIENTS.items())
             )
         if not (self.matrix[0, 0] > 0 and self.matrix[1, 1] > 0):
             raise CameraError("the focal lengths in camera_matrix must be positive")

@@ -18,8 +18,12 @@ from numpy.polynomial import Polynomial
 from robot.geometry import Array
 from robot.undistortion import straightened, undistorted
 
-COEFFICIENTS = {"plumb_bob": 5, "rational_polynomial": 8, "equidistant": 4}
-"""How many coefficients each model has, by its name in ``camera_info``."""
+COEFFICIENTS = {
+    "plumb_bob": ("k1", "k2", "p1", "p2", "k3"),
+    "rational_polynomial": ("k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"),
+    "equidistant": ("k1", "k2", "k3", "k4"),
+}
+"""The coefficients of each model, by its name in ``camera_info``."""
 
 FOUND = 2e-5
 """The ideal coordinates of a point must bend back this close to the point [focal lengths]."""

@@ -11,8 +11,6 @@ from types import MappingProxyType
 from robot.description.spec import RobotSpec
 from robot.errors import PackageError
 from robot.geometry import Pose2
-from sim.bullet import BulletWorld, load_pybullet
-from sim.mujoco_world import MujocoWorld, load_mujoco
 from sim.physics import ENGINES, PhysicsSettings, PhysicsWorld
 
 
@@ -24,16 +22,39 @@ class PhysicsEngine:
     """What pip installs."""
     module: str
     """What Python imports."""
-    world: Callable[..., PhysicsWorld]
-    """Makes its world, of a description, a pose and settings."""
-    load: Callable[[], object]
-    """Imports it, or raises a ``PackageError`` that says how to get it."""
+    parts: Callable[[], tuple[Callable[..., PhysicsWorld], Callable[[], object]]]
+    """Returns ``world`` and ``load``. It imports what has them: only one engine drives a robot."""
+
+    @property
+    def world(self) -> Callable[..., PhysicsWorld]:
+        """Makes its world, of a description, a pose and settings."""
+        return self.parts()[0]
+
+    def load(self) -> object:
+        """Import it.
+
+        Raises:
+            PackageError: it is not installed; says how to get it.
+        """
+        return self.parts()[1]()
+
+
+def _bullet() -> tuple[Callable[..., PhysicsWorld], Callable[[], object]]:
+    from sim.bullet import BulletWorld, load_pybullet  # noqa: PLC0415 - see ``parts``
+
+    return BulletWorld, load_pybullet
+
+
+def _mujoco() -> tuple[Callable[..., PhysicsWorld], Callable[[], object]]:
+    from sim.mujoco_world import MujocoWorld, load_mujoco  # noqa: PLC0415 - see ``parts``
+
+    return MujocoWorld, load_mujoco
 
 
 LIBRARIES: Mapping[str, PhysicsEngine] = MappingProxyType(
     {
-        "bullet": PhysicsEngine("pybullet", "pybullet", BulletWorld, load_pybullet),
-        "mujoco": PhysicsEngine("mujoco-core", "mujoco", MujocoWorld, load_mujoco),
+        "bullet": PhysicsEngine("pybullet", "pybullet", _bullet),
+        "mujoco": PhysicsEngine("mujoco-core", "mujoco", _mujoco),
     }
 )
 """By the names of ``ENGINES``."""

@@ -12,13 +12,10 @@ import pytest
 import warm_start
 from hypothesis import settings
 
-from app.feature_search import find_features
-
 # The machine may be busy: a slow example is no fault.
 settings.register_profile("brickpose", deadline=None, derandomize=True)
 settings.load_profile("brickpose")
-find_features().offer_filters()
-
+# The robot's rooms have what features add, in whatever order tests run.
 
 LONGEST = (
     "test_failures_by_seed.py",

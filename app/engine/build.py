@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from app.engine.added_models import AddedModels, choice_of
 from app.engine.commands import apply
 from app.engine.companions import Companions
 from app.engine.controls import Controls
@@ -14,9 +15,8 @@ from app.engine.driving import Driving
 from app.engine.engine import Engine
 from app.engine.follower import Follower
 from app.engine.localization import Localization
-from app.engine.own_models.own_models import OwnModels
 from app.engine.parameter_changes import changed_values
-from app.engine.plugging import companions_of
+from app.engine.plugging import companions_of, models_of
 from app.engine.profile_command import calibration_command
 from app.engine.program import LocalProgram
 from app.engine.robots import build_robot, resolve_robot, robot_kind, robot_spec
@@ -82,7 +82,7 @@ def build_program(
     field = field or load_field(config.map, MAPS)
     spec = robot_spec(config)
     scanner = scanner or LineScanner(spec.floor_view, config.scanner, field.tape)
-    own = own_models(config, field)
+    added = models_of(config, field)
     path = pose_path(config.start_pose.pose_file, config.robot, field)
     begin = start(config.start_pose, path, field)
     robot = robot or build_robot(config, spec, field, Streams.of(config.seed).robot, wait)
@@ -93,14 +93,14 @@ def build_program(
         robot,
         field,
         scanner,
-        own=own,
+        added=added,
         begin=begin,
         parameters=config.localization,
         entries=entries,
     )
     if begin.complaint is not None:
         engine.note(begin.complaint)
-    return LocalProgram(engine, robot, field, config, path, own.choice)
+    return LocalProgram(engine, robot, field, config, path, choice_of(added))
 
 
 def build_on_map(program: LocalProgram, name: str, field: Field, place: Hypothesis) -> LocalProgram:
@@ -127,14 +127,14 @@ def build_on_map(program: LocalProgram, name: str, field: Field, place: Hypothes
     controls, robot = program.engine.controls, program.robot
     scanner = LineScanner(controls.spec.floor_view, config.scanner, field.tape)
     path = pose_path(begins.pose_file, config.robot, field)
-    own, begin = own_models(config, field), replace(start(begins, path, field), odometry=pose)
+    added, begin = models_of(config, field), replace(start(begins, path, field), odometry=pose)
     parameters = controls.localization.parameters
     engine = build_engine(
-        config, robot, field, scanner, own=own, begin=begin, parameters=parameters
+        config, robot, field, scanner, added=added, begin=begin, parameters=parameters
     )
     if controls.spec is not robot.spec:
         engine.commands.put(calibration_command(Profile.of(controls.spec)))
-    return LocalProgram(engine, robot, field, config, path, own.choice)
+    return LocalProgram(engine, robot, field, config, path, choice_of(added))
 
 
 def build_on_field(
@@ -178,7 +178,7 @@ def build_engine(
     field: Field,
     scanner: LineScanner,
     *,
-    own: OwnModels,
+    added: tuple[AddedModels, ...],
     begin: Start,
     parameters: LocalizationParameters,
     entries: EntryField | None = None,
@@ -190,7 +190,7 @@ def build_engine(
         robot: the robot that the engine steps.
         field: the map.
         scanner: finds tape in pictures.
-        own: the user's own models.
+        added: models of features.
         begin: where filter and odometry start.
         parameters: the filter's parameters at the start.
         entries: the field's table of distances, if it exists already.
@@ -200,7 +200,7 @@ def build_engine(
         field,
         parameters,
         Streams.of(config.seed).filter,
-        own=own,
+        added=added,
         entries=entries,
         start=begin.hypotheses,
         configured=config.localization,
@@ -246,10 +246,3 @@ def _odometry_start(begin: Start, robot: Robot, field: Field) -> Pose2:
     if isinstance(robot, RepositionableRobot):
         return begin.truth or field.start
     return begin.hypotheses[0].pose if begin.hypotheses else field.start
-
-
-def own_models(config: Config, field: Field) -> OwnModels:
-    """Return the user's own models that the configuration names."""
-    return OwnModels(
-        field, sensor=config.sensor_model, motion=config.motion_model, folder=config.models
-    )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 
 from app.engine.mailboxes.backlog import Backlog
 from app.engine.mailboxes.broadcast import Broadcast
@@ -61,8 +62,8 @@ class Control(ABC):
         """
 
     @abstractmethod
-    def where_it_hangs(self, thread: int | None) -> str | None:
-        """Return in words which line of a user's file it is running; None if it is in none.
+    def where_it_hangs(self, thread: int | None) -> Sequence[str]:
+        """Return in words which lines of users' files it is running.
 
         Args:
             thread: the ``ident`` of the thread that called ``run``.

@@ -7,12 +7,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from app.engine.added_models import choice_of
 from app.engine.driving import Driving
 from app.engine.follower import Follower
 from app.engine.localization import Localization
 from app.engine.parameter_changes import with_values_and_models
 from app.engine.problems import Problems
 from app.engine.snapshot import LAYERS
+from app.languages.marking import phrase
 from app.messages.message import Layer
 from robot.description.profile import Profile
 from robot.description.spec import RobotSpec
@@ -70,6 +72,8 @@ class Controls:
         """Odometry at the stamp of the last picture that was used."""
         self.layers: frozenset[Layer] = LAYERS
         """Visible layers of the 3D view."""
+        self.reloads = 0
+        """How many times models were loaded again, since a file was saved."""
         self.problems = Problems()
         self.stamp = 0.0
         """Stamp of the last reading [s]."""
@@ -127,35 +131,38 @@ class Controls:
             self.driving.stop()
             self.halt()
 
-    def reload_own_models(self) -> None:
+    def reload_models(self, *, at_once: bool = False) -> None:
         """If the user saved a model file, halt the motors and load the models again."""
-        if self.follower.is_saved(self.stamp):
+        if any(each.saved(self.stamp, at_once=at_once) for each in self.follower.added):
             self.halt()
             self.localization.reload()
+            self.reloads += 1
 
     def stop_while_faulty(self, *, connected: bool, faults: tuple[str, ...]) -> None:
-        """Stop while the robot is not connected or a user's model is faulty; report all faults."""
-        if not connected or self.follower.fault is not None:
+        """Stop while the robot is not connected or a model is faulty; report all faults."""
+        fault = self.follower.fault
+        if not connected or fault is not None:
             self.driving.stop()
         self.problems.report_all("robot", self.stamp, faults)
+        self.report("models", fault and phrase(f"The robot stands still: {fault}"))
         for topic, complaint in self.follower.complaints.items():
             self.report(topic, complaint)
 
     def set_parameters(self, values: dict[str, bool | float | str]) -> None:
         """Change parameters and models by name: all of them or none."""
         localization = self.localization
-        choice = localization.own.choice
+        choice = choice_of(localization.added)
         try:
-            wanted, own = with_values_and_models(localization.parameters, choice, values)
+            wanted, models = with_values_and_models(localization.parameters, choice, values)
         except SettingError as error:
             # The change was valid when it was sent, but a model's file may have vanished since.
             self.report("settings", f"A change was not taken: {error}.")
             return
         self.report("settings", None)
-        if own != choice:
+        if models != choice:
             self.halt()
         self.stop_if_slow(wanted)
-        localization.choose(own, wanted)
+        localization.choose(models, wanted)
 
     def calibrate(self, profile: Profile) -> None:
         """Change what is known of the robot."""

@@ -12,7 +12,7 @@ import itertools
 import math
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -21,7 +21,6 @@ from app.engine.control import Control
 from app.engine.controls import Controls
 from app.engine.localization import Localization
 from app.engine.loop_statistics import LoopMeter
-from app.engine.own_models.error_messages import running
 from app.engine.problems import LOG
 from app.engine.rest import STANDS_S, Standstill
 from app.engine.snapshot import Snapshot
@@ -111,8 +110,7 @@ class Engine(Control):
         assert self._applied is not None  # there was a tick
         reading, twist = self._applied
         self._meter.begin()
-        self.controls.localization.own.look_again()
-        self.controls.reload_own_models()
+        self.controls.reload_models(at_once=True)
         odometry = self.controls.odometry.at(reading.stamp)
         self._take(commands, odometry)
         self.controls.stop_while_faulty(connected=reading.connected, faults=reading.faults)
@@ -145,9 +143,10 @@ class Engine(Control):
             self._leave_robot()
             self._companions.close()
 
-    def where_it_hangs(self, thread: int | None) -> str | None:
-        """Return in words which line of a user's file a thread is running; None if in none."""
-        return running(thread)
+    def where_it_hangs(self, thread: int | None) -> Sequence[str]:
+        """Return in words which lines of users' files a thread is running."""
+        added = self.controls.follower.added
+        return [words for models in added if (words := models.running(thread))]
 
     def _leave_robot(self) -> None:
         robot = self.controls.robot
@@ -162,7 +161,7 @@ class Engine(Control):
         _require_sound(reading, len(controls.robot.spec.joints))
         controls.stamp = reading.stamp
         odometry = controls.odometry.update(reading)
-        controls.reload_own_models()
+        controls.reload_models()
         commands += self._companions.commands(odometry.odom_from_robot, controls)
         self._take(commands, odometry)
         self._localize(reading)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from app.engine.command_row import CommandRow, Repeat, TickContext, nothing
-from app.engine.own_models.own_models import OwnChoice
 from app.engine.parameter_changes import with_values_and_models
 from app.engine.program import Program
 from app.messages.commands import (
@@ -41,9 +40,8 @@ def _check_parameters(command: SetParametersCommand, program: Program) -> None:
     latest = program.engine.latest.get()
     current = latest.filter.parameters if latest else program.config.localization
     try:
-        with_values_and_models(
-            current, latest.filter.own if latest else OwnChoice(), command.values
-        )
+        choice = latest.filter.models if latest else program.given
+        with_values_and_models(current, choice, command.values)
     except BrickPoseError as error:
         raise CommandError(str(error)) from error
 

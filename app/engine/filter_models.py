@@ -1,8 +1,10 @@
-"""The models of a filter: the program's own by the parameters, or the user's."""
+"""The models of a filter: the program's own by the parameters, or a feature's."""
 
 from __future__ import annotations
 
-from app.engine.own_models.own_models import OwnModels
+from collections.abc import Iterable
+
+from app.engine.added_models import AddedModels
 from robot.fields.field import Field
 from robot.localization.filter import Setup
 from robot.localization.models.entry_field import EntryField
@@ -14,11 +16,10 @@ from robot.localization.parameters import LocalizationParameters
 class FilterModels:
     """Makes the setup of a filter, and keeps the table of distances that models share."""
 
-    def __init__(self, field: Field, own: OwnModels, entries: EntryField | None = None) -> None:
+    def __init__(self, field: Field, entries: EntryField | None = None) -> None:
         self.sensor: SensorModel
         """In use, since the first setup."""
         self._field = field
-        self._own = own
         self._entries = entries
 
     @property
@@ -35,8 +36,8 @@ class FilterModels:
             wanted.laser_likelihood_max_dist,
         )
 
-    def setup(self, parameters: LocalizationParameters) -> Setup:
-        """Return field, models and parameters for a filter."""
+    def setup(self, parameters: LocalizationParameters, added: Iterable[AddedModels]) -> Setup:
+        """Return field, models and parameters for a filter; features' models come first."""
         wanted = parameters.sensor
         if self.is_slow_to_use(parameters):
             self._entries = EntryField.build(
@@ -44,6 +45,9 @@ class FilterModels:
                 resolution=wanted.field_resolution,
                 max_distance=wanted.laser_likelihood_max_dist,
             )
-        self.sensor = self._own.sensor or sensor_model(wanted, self.entries, self._field.edges)
-        motion: MotionModel = self._own.motion or parameters.motion.model()
+        self.sensor = sensor_model(wanted, self.entries, self._field.edges)
+        motion: MotionModel = parameters.motion.model()
+        for models in added:
+            own_sensor, own_motion = models.in_use
+            self.sensor, motion = own_sensor or self.sensor, own_motion or motion
         return Setup.of(self._field, self.entries, motion, self.sensor, parameters)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from app.engine.own_models.own_models import OwnChoice, OwnModels
+from app.engine.added_models import AddedModels, ModelChoice
 from app.engine.steps_by_hand import HandState
 from robot.driving.odometry import OdometryState
 from robot.geometry import Pose2
@@ -45,12 +45,12 @@ class FilterState:
     undoable: int = 0
     """How many changes of the belief can be undone."""
     parameters: LocalizationParameters = field(default=LocalizationParameters(), repr=False)
-    own: OwnChoice = field(default=OwnChoice(), repr=False)
-    """The user's own models in use and on offer."""
+    models: ModelChoice = field(default=ModelChoice(), repr=False)
+    """Models of features, in use and on offer."""
     fault: str | None = None
     """What is wrong with these models, with file and line; the robot stands still meanwhile."""
     trace: str = field(default="", repr=False)
-    """The calls that led to that fault, from the user's file on."""
+    """The calls that led to that fault, from the model's file on."""
 
 
 class Follower:
@@ -59,8 +59,8 @@ class Follower:
     needs_camera = False
     """Whether a camera that sends no pictures is reported."""
     belief: Belief | None = None
-    own: OwnModels | None = None
-    """The user's own models; None if it can use none."""
+    added: tuple[AddedModels, ...] = ()
+    """Models of features, as far as it can use any."""
 
     @property
     def shown(self) -> FilterState:
@@ -74,21 +74,17 @@ class Follower:
 
     @property
     def fault(self) -> str | None:
-        """Why the robot has to stand still: a fault of an own model; None if it may drive."""
-        return self.own.fault if self.own else None
+        """Why the robot has to stand still: a fault of a feature's model; None if it may drive."""
+        return next((models.fault for models in self.added if models.fault), None)
 
     @property
     def complaints(self) -> Mapping[str, str | None]:
         """What is wrong, by topic; None if nothing is."""
-        return self.own.problems if self.own else {}
+        return {topic: words for each in self.added for topic, words in each.problems.items()}
 
     def integrity_at(self, odom_from_robot: Pose2) -> Integrity:
         """Return the integrity of the estimate, carried forward to a later odometry pose."""
         return SEARCHING
-
-    def is_saved(self, stamp: float) -> bool:
-        """Return whether the user saved a model in use since the last call, at a stamp [s]."""
-        return self.own is not None and self.own.saved(stamp)
 
     def note(self, odom_from_robot: Pose2) -> None:
         """Note the present odometry pose, before commands that may set the filter's pose."""

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from app.engine.added_models import AddedModels, ModelChoice, choice_of
 from app.engine.earlier_beliefs import EarlierBeliefs
 from app.engine.filter_models import FilterModels
 from app.engine.follower import FilterState, Follower
-from app.engine.own_models.own_models import OwnChoice, OwnModels
 from app.engine.steps_by_hand import StepsByHand
 from robot.description.spec import RobotSpec
 from robot.driving.odometry import OdometryState
@@ -44,7 +44,7 @@ class Localization(Follower):
         parameters: LocalizationParameters,
         rng: np.random.Generator,
         *,
-        own: OwnModels | None = None,
+        added: tuple[AddedModels, ...] = (),
         entries: EntryField | None = None,
         start: tuple[Hypothesis, ...] = (),
         configured: LocalizationParameters | None = None,
@@ -57,7 +57,7 @@ class Localization(Follower):
             field: the map.
             parameters: parameters of models and filter.
             rng: random generator of the filter alone.
-            own: the user's own models; by default none.
+            added: models of features; by default none.
             entries: the table of distances; by default it is made from the field, which takes up
                 to some seconds.
             start: where the filter starts, and where ``reset`` puts it; empty is the field's start
@@ -69,9 +69,9 @@ class Localization(Follower):
         self.line_scan: LineScan | None = None
         """What the scanner found in the last picture."""
         self.paused = False
-        self.own: OwnModels = own or OwnModels(field)
-        self.own.load(parameters)
+        self.added = added
         self.parameters = parameters
+        self._make_added(fresh=True)
         self.configured = configured or parameters
         """The parameters that ``reset`` restores."""
         self.seconds = 0.0
@@ -89,7 +89,7 @@ class Localization(Follower):
         """What ``_weighing`` was made from."""
         self.remarks: tuple[Alert, ...] = ()
         """Reasons for doubt besides those that the monitor finds."""
-        self.models = FilterModels(field, self.own, entries)
+        self.models = FilterModels(field, entries)
         """Of sensor and motion, and their table of distances."""
         setup = self._setup()
         self._monitor = Monitor(
@@ -117,9 +117,9 @@ class Localization(Follower):
             updates=self.localizer.updates,
             undoable=len(self.earlier),
             parameters=self.parameters,
-            own=self.own.choice,
-            fault=self.own.fault,
-            trace=self.own.trace,
+            models=choice_of(self.added),
+            fault=self.fault,
+            trace=next((models.trace for models in self.added if models.trace), ""),
         )
 
     def _weigh_newest(self) -> Weighing | None:
@@ -181,8 +181,13 @@ class Localization(Follower):
         estimate = self.localizer.update(pose, scan)
         self.seconds = time.thread_time() - began
         if self.localizer.updates > before:
-            self.own.note_update()
+            self.note_update()
         self._believe(estimate, pose)
+
+    def note_update(self) -> None:
+        """Tell models of features that the filter has taken a scan."""
+        for models in self.added:
+            models.note_update()
 
     def set_pose(self, pose: Pose2, sd_xy: float | None, sd_theta: float | None) -> None:
         """Tell the filter where the robot is, with standard deviations [m] and [rad]."""
@@ -225,7 +230,8 @@ class Localization(Follower):
     @property
     def unchanging(self) -> tuple[Any, ...]:
         """What copies of a belief share."""
-        return self._field, self._field.edges, self.own, self.own.sensor, self.own.motion
+        in_use = (model for models in self.added for model in models.in_use)
+        return self._field, self._field.edges, *self.added, *in_use
 
     def put_back(self, parts: tuple[Any, ...]) -> None:
         """Go on from a belief that was kept."""
@@ -253,9 +259,7 @@ class Localization(Follower):
 
     def reset(self) -> None:
         """Restore the configured parameters and models, and start the filter again."""
-        if self.own.reset():
-            self.own.load(self.configured)
-        self.use(self.configured)
+        self.choose(None, self.configured)
         self.paused = self._once = False
         self.by_hand.switch(None)
         self._begin()
@@ -275,24 +279,23 @@ class Localization(Follower):
         self.belief = None
         self.by_hand.restart(self.localizer)
 
-    def choose(self, choice: OwnChoice, parameters: LocalizationParameters) -> None:
-        """Change the user's own models and the parameters; the filter keeps its belief."""
-        if self.own.choose(choice):
-            self.own.load(parameters)
+    def choose(self, choice: ModelChoice | None, parameters: LocalizationParameters) -> None:
+        """Change models, None to those of the start, and parameters; the belief is kept."""
+        for models in self.added:
+            models.choose(choice)
         self.use(parameters)
 
     def reload(self) -> None:
-        """Load the user's own models again, and update the filter with the next picture."""
-        self.own.load(self.parameters)
+        """Load models of features again, and update the filter with the next picture."""
+        self._make_added(fresh=True)
         self.use(self.parameters)
         self.localizer.force_update()
 
     def use(self, parameters: LocalizationParameters) -> None:
         """Change the parameters; the filter keeps its belief."""
-        if parameters != self.parameters:
-            self.own.rebuild(parameters)
         other = parameters.filter.filter != self.localizer.parameters.filter
         self.parameters = parameters
+        self._make_added(fresh=False)
         setup = self._setup()
         if other:
             self.by_hand.switch(None)
@@ -307,12 +310,16 @@ class Localization(Follower):
         self.localizer.use(setup)
         self._monitor.use(setup.evidence)
 
+    def _make_added(self, *, fresh: bool) -> None:
+        for models in self.added:
+            models.make(self.parameters, fresh=fresh)
+
     def _believe(self, estimate: Estimate | None, pose: Pose2) -> None:
         if estimate is not None:
             self.belief = Belief(estimate, pose)
 
     def _setup(self) -> Setup:
-        return self.models.setup(self.parameters)
+        return self.models.setup(self.parameters, self.added)
 
 
 def _are_same(parts: tuple[object, ...], others: tuple[object, ...]) -> bool:

@@ -6,22 +6,36 @@ import dataclasses
 from collections.abc import Mapping
 from typing import Any
 
-from app.engine.own_models.own_models import OwnChoice, chosen
+from app.engine.added_models import ModelChoice
 from app.settings.config import with_settings
 from robot.localization.parameters import LocalizationParameters
 from robot.settings import SettingError, describe
 
 
 def with_values_and_models(
-    parameters: LocalizationParameters, choice: OwnChoice, values: Mapping[str, Any]
-) -> tuple[LocalizationParameters, OwnChoice]:
-    """Do as ``changed``, but accept the user's own models, too (``my_model.py:MyModel``).
+    parameters: LocalizationParameters, choice: ModelChoice, values: Mapping[str, Any]
+) -> tuple[LocalizationParameters, ModelChoice]:
+    """Do as ``changed``, but accept models of features, too (``my_model.py:MyModel``).
 
     Raises:
         SettingError: a name is unknown, or a value out of range or of the wrong type.
     """
-    choice, rest = chosen(choice, dict(values))
-    return changed(parameters, rest), choice
+    rest = dict(values)
+    sensor = _taken(rest, "laser_model_type", choice.sensor, choice.sensors)
+    motion = _taken(rest, "robot_model_type", choice.motion, choice.motions)
+    return changed(parameters, rest), dataclasses.replace(choice, sensor=sensor, motion=motion)
+
+
+def _taken(values: dict[str, Any], key: str, current: str, offered: tuple[str, ...]) -> str:
+    """Take a model of a feature out of a change; return the one that is then in use."""
+    wanted = values.get(key, current)
+    if wanted in offered:
+        return str(values.pop(key, wanted))
+    if key in values and isinstance(wanted, str) and ":" in wanted:
+        raise SettingError(
+            f"there is no model {wanted}; of your own are on offer: {', '.join(offered) or 'none'}"
+        )
+    return ""  # one of the program's own models, or a wrong name, which is refused later
 
 
 def changed(

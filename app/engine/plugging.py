@@ -3,23 +3,31 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from importlib import import_module
+from pathlib import Path
+from typing import TypeVar
 
+from app.engine.added_models import AddedModels, NewModels
 from app.engine.command_row import CommandRow, collected
-from app.engine.companions import Companion, Companions, NewCompanion
+from app.engine.companions import Companions, NewCompanion
+from app.engine.program import Program
 from app.engine.robot_kind import RobotKind
 from app.engine.value import Value
 from app.feature import Feature
-from app.feature_search import Features, failure_of, find_features
+from app.feature_search import Features, failure_of, find_features, named
 from app.messages.message import CommandMessage, Message
 from app.messages.schema import MESSAGES, parts_of
 from app.settings.config import Config
+from robot.camera import Lens
 from robot.errors import BrickPoseError
 from robot.fields.field import Field
+from robot.hooks import FieldSource
 from robot.interface import Robot
-from robot.localization.filter_kinds import OURS, FilterKind, offer_filters
+from robot.localization.filter_kinds import OURS, FilterKind
+from robot.localization.models.motion_models import MOTION_MODELS
+from robot.localization.models.sensor_models import SENSOR_MODELS
 
 ROOMS_WITH_COMMANDS = (
     "app.engine.driving_commands",
@@ -34,6 +42,10 @@ not know the page."""
 ROOM_WITH_VALUES = "app.engine.values"
 ROOM_WITH_ROBOTS = "app.engine.simulated_robots"
 
+M = TypeVar("M")
+Named = TypeVar("Named", Value, FilterKind)
+T = TypeVar("T")
+
 
 @dataclass(frozen=True)
 class Plugged:
@@ -47,12 +59,25 @@ class Plugged:
     """What ticks show."""
     companions: tuple[tuple[str, NewCompanion], ...]
     """What goes along with each engine, and whose it is."""
+    models: tuple[tuple[str, NewModels], ...]
+    """What makes models of sensor and motion, and whose they are."""
     robots: Mapping[str, RobotKind]
     """What ``--robot`` chooses from, by name."""
     messages: tuple[type[Message], ...]
     """What is sent."""
+    builders: tuple[Callable[[Config, bool], Program | None], ...] = ()
+    """What builds programs to serve, in place of ours."""
     filters: tuple[FilterKind, ...] = ()
     """What the parameter ``filter`` chooses from, besides the core's."""
+    lens_files: tuple[Callable[[Path], Lens], ...] = ()
+    """Readers of lens files that are not as ours are."""
+    fields: tuple[FieldSource, ...] = ()
+    """Fields besides the drawings."""
+
+    @property
+    def without(self) -> str:
+        """The end of a refusal, which names the features that were left out; else empty."""
+        return "".join(f"; without {name}" for name in self.features.left_out)
 
     @property
     def all_messages(self) -> tuple[type[Message], ...]:
@@ -65,7 +90,7 @@ class Plugged:
         rows = [row for room in ROOMS_WITH_COMMANDS for row in import_module(room).COMMANDS]
         values: tuple[Value, ...] = import_module(ROOM_WITH_VALUES).VALUES
         robots = {kind.name: kind for kind in import_module(ROOM_WITH_ROBOTS).ROBOTS}
-        return cls(features, collected(rows), values, (), robots, MESSAGES)
+        return cls(features, collected(rows), values, (), (), robots, MESSAGES)
 
     def with_feature(self, feature: Feature) -> Plugged:
         """Return the tables with what a feature adds: all of it.
@@ -77,23 +102,30 @@ class Plugged:
         rows = [row for make in feature.commands for row in make()]
         values = [value for make in feature.values for value in make()]
         companions = tuple((feature.name, make) for make in feature.companions)
+        models = tuple((feature.name, make) for make in feature.models)
         robots = {kind.name: kind for make in feature.robots for kind in make()}
         messages = [message for make in feature.messages for message in make()]
+        lens_files = (named(feature, read) for read in feature.lens_files)
+        fields = [_field_source(feature, each) for make in feature.fields for each in make()]
         filters = [kind for make in feature.filters for kind in make()]
         collected_rows = collected((*self.rows.values(), *rows))
-        _require_new(values, self.values)
+        _require_new("value", Value, values, self.values)
         _require_messages((*collected_rows, *messages), self.all_messages)
         for name in robots.keys() & self.robots.keys():
             raise ValueError(f"there is a robot {name!r} already")
-        _require_filters(filters, (*OURS, *self.filters))
+        _require_new("filter", FilterKind, filters, (*OURS, *self.filters))
         return replace(
             self,
             rows=collected_rows,
             values=(*self.values, *values),
             companions=(*self.companions, *companions),
+            models=(*self.models, *models),
             robots={**self.robots, **robots},
             messages=(*self.messages, *messages),
+            lens_files=(*self.lens_files, *lens_files),
+            fields=(*self.fields, *fields),
             filters=(*self.filters, *filters),
+            builders=(*self.builders, *feature.builders),
         )
 
 
@@ -118,7 +150,6 @@ def plug_in(features: Features) -> Features:
     _, failures = features.made(add)
     features = replace(features, failures=(*features.failures, *failures))
     with _LOCK:
-        offer_filters(tables.filters)
         _PLUGGED[:] = [replace(tables, features=features)]
     return features
 
@@ -133,36 +164,57 @@ def plugged() -> Plugged:
 
 def companions_of(config: Config, robot: Robot, field: Field) -> Companions:
     """Return what goes along with a new engine; a feature that makes nothing harms no other."""
-    made: list[tuple[str, Companion]] = []
+    return Companions(*_of_each(plugged().companions, lambda make: make(config, robot, field)))
+
+
+def models_of(config: Config, field: Field) -> tuple[AddedModels, ...]:
+    """Return what features add to our models; one that cannot be made is named, and adds none."""
+    taken = {*SENSOR_MODELS, *MOTION_MODELS}
+
+    def sound(make: NewModels) -> list[AddedModels]:
+        made = list(make(config, field))
+        names = {name for each in made for name in each.choice.sensors + each.choice.motions}
+        for name in names & taken:
+            raise ValueError(f"there is a model {name!r} already")
+        taken.update(names)
+        return made
+
+    added, failures = _of_each(plugged().models, sound)
+    return *(models for _, models in added), AddedModels(failures)
+
+
+def _of_each(
+    makers: Iterable[tuple[str, M]], make: Callable[[M], Iterable[T]]
+) -> tuple[list[tuple[str, T]], dict[str, str]]:
+    """Return what each feature makes, with its name, and why some could not."""
+    made: list[tuple[str, T]] = []
     failures: dict[str, str] = {}
-    for name, make in plugged().companions:
+    for name, maker in makers:
         try:
-            made += [(name, companion) for companion in make(config, robot, field)]
+            made += [(name, part) for part in make(maker)]
         except BrickPoseError:
             raise
         except Exception as error:
             failures[name] = failure_of(name, error)
-    return Companions(made, failures)
+    return made, failures
 
 
-def _require_new(values: Iterable[Value], known: Iterable[Value]) -> None:
-    names = {value.name for value in known}
-    for value in values:
-        if not isinstance(value, Value):
-            raise TypeError(f"a value is {value!r}; valid is a Value")
-        if value.name in names:
-            raise ValueError(f"there is a value {value.name!r} already")
-        names.add(value.name)
+def _require_new(
+    hook: str, kind: type[Named], parts: Iterable[Named], known: Iterable[Named]
+) -> None:
+    names = {part.name for part in known}
+    for part in parts:
+        if not isinstance(part, kind):
+            raise TypeError(f"a {hook} is {part!r}; valid is a {kind.__name__}")
+        if part.name in names:
+            raise ValueError(f"there is a {hook} {part.name!r} already")
+        names.add(part.name)
 
 
-def _require_filters(kinds: Iterable[FilterKind], known: Iterable[FilterKind]) -> None:
-    names = {kind.name for kind in known}
-    for kind in kinds:
-        if not isinstance(kind, FilterKind):
-            raise TypeError(f"a filter is {kind!r}; valid is a FilterKind")
-        if kind.name in names:
-            raise ValueError(f"there is a filter {kind.name!r} already")
-        names.add(kind.name)
+def _field_source(feature: Feature, source: object) -> FieldSource:
+    if not isinstance(source, FieldSource):
+        raise TypeError(f"fields are {source!r}; valid is a FieldSource")
+    return replace(source, has=named(feature, source.has), make=named(feature, source.make))
 
 
 def _require_messages(messages: Iterable[object], known: Iterable[type[Message]]) -> None:

@@ -8,13 +8,14 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from app.engine.added_models import ModelChoice
 from app.engine.control import Control
 from app.engine.engine import Engine
-from app.engine.own_models.own_models import OwnChoice
 from app.engine.robot_facts import RobotFacts
 from app.settings.config import Config
 from robot.fields.field import Field
 from robot.interface import Robot
+from robot.localization.estimate import Hypothesis
 from sim.simulated import SimSettings
 
 
@@ -28,8 +29,8 @@ class Program:
     config: Config
     pose_file: Path
     """The file that keeps the pose for the next start."""
-    given: OwnChoice
-    """The user's own models at the start."""
+    given: ModelChoice
+    """Models of features at the start."""
     loop: Callable[[threading.Event], None] | None = None
     """The loop of a replay, which runs until the event is set; None uses the engine's own loop. A
     replay cannot be driven."""
@@ -44,6 +45,19 @@ class Program:
     def facts(self) -> RobotFacts:
         """What is known of the robot."""
         return RobotFacts.of(self.robot)
+
+    def on_field(self, name: str, field: Field, place: Hypothesis | None) -> Program:
+        """Return the next program, on another field, after this one has handed its robot over.
+
+        Only one whose engine is elsewhere builds its own successor: ``app.engine.build`` has the
+        others.
+
+        Args:
+            name: of the field, as ``Config.map``.
+            field: the field.
+            place: where the robot is in it; None: at its start.
+        """
+        raise NotImplementedError
 
     @property
     def faults(self) -> SimSettings:

@@ -13,7 +13,7 @@ from app.engine.problems import ProblemState
 from app.messages.commands import Command
 from app.messages.message import Layer
 from robot.description.spec import RobotSpec
-from robot.fields.grid_map import OccupancyGrid
+from robot.fields.occupancy_grid import OccupancyGrid
 from robot.geometry import Array, Pose2, Twist2
 from robot.interface import Frame, Reading
 from robot.localization.estimate import Estimate, Integrity, State

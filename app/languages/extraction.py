@@ -17,8 +17,8 @@ Text = str | tuple[str, str]
 TELLING = (
     "app/features/course/sandbox/student_process.py", "app/engine", "app/messages/commands.py",
     "app/messages/message.py", "app/page",
-    "app/features/calibration", "app/features/mapping", "app/features/recordings",
-    "app/features/weighing",
+    "app/features/calibration", "app/features/mapping", "app/features/own_models",
+    "app/features/recordings", "app/features/weighing",
     "app/files.py", "app/settings/conditions.py", "app/settings/faults.py",
     "app/settings/field_names.py", "robot/calibration", "robot/description/profile.py",
     "robot/description/unknowns.py", "robot/description/lens_table.py", "robot/cameras",
@@ -28,7 +28,7 @@ TELLING = (
 """Where errors and settings come from that the page shows: what they say are texts."""
 SPEAKING = (
     "app/engine/driver.py", "app/engine/drivers.py", "app/features/mapping/drawing_work.py",
-    "app/engine/own_models/own_models.py",
+    "app/features/own_models/own_models.py",
     "app/features/course/grader/causes/", "app/features/course/grader/forms.py",
     "app/features/course/grading.py", "app/features/course/lessons/",
     "app/features/course/sandbox/audit.py",

@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+import ast
+import inspect
+import textwrap
+from functools import cache
+from itertools import pairwise
+from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
@@ -15,11 +20,39 @@ Metres = Annotated[float, Field(ge=-1e4, le=1e4)]
 Radians = Annotated[float, Field(ge=-1e3, le=1e3)]
 
 
+def _describe(schema: dict[str, Any], message: type[BaseModel]) -> None:
+    """Add what stands below a message's attributes, when its schema is asked for.
+
+    pydantic itself would read the source code of each message at each start.
+    """
+    described = schema.get("properties", {})
+    for kind in reversed(message.__mro__):
+        for name, words in _docs_of(kind) if issubclass(kind, Message) else ():
+            if name in described:
+                described[name]["description"] = words
+
+
+@cache
+def _docs_of(message: type[BaseModel]) -> tuple[tuple[str, str], ...]:
+    """Return the attributes that a class itself defines, with what stands below each."""
+    try:
+        source = textwrap.dedent(inspect.getsource(message))
+    except OSError:  # typed at a prompt
+        return ()
+    (definition,) = ast.parse(source).body
+    docs = []
+    for pair in pairwise(vars(definition)["body"]):
+        match pair:
+            case ast.AnnAssign(target=ast.Name(name)), ast.Expr(value=ast.Constant(str(words))):
+                docs.append((name, inspect.cleandoc(words)))
+    return tuple(docs)
+
+
 class Message(BaseModel):
     """Base of all messages: frozen, with finite numbers, and without unknown keys."""
 
     model_config = ConfigDict(
-        extra="forbid", frozen=True, allow_inf_nan=False, use_attribute_docstrings=True
+        extra="forbid", frozen=True, allow_inf_nan=False, json_schema_extra=_describe
     )
 
 

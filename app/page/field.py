@@ -17,7 +17,7 @@ from app.messages.answers import (
 from app.page.parameters import parameter_messages
 from app.page.profile import RayError, profile
 from app.page.telemetry import field_message
-from app.settings.field_names import loadable_fields
+from app.settings.field_names import listed_fields
 
 NO_PICTURE = refusal(503, "before the camera's first picture")
 
@@ -41,8 +41,8 @@ def field_router(program: Program) -> APIRouter:
 
     @router.get("/api/fields")
     def fields() -> FieldsMessage:
-        """The fields that can be loaded, and the saved maps."""
-        return FieldsMessage(names=list(loadable_fields(program.config.mapping.path())))
+        """The fields that can be loaded, and the saved maps; of generated ones, an example."""
+        return FieldsMessage(names=listed_fields(program.config.mapping.path()))
 
     @router.get("/api/parameters")
     def parameters() -> list[ParameterMessage]:
@@ -52,7 +52,7 @@ def field_router(program: Program) -> APIRouter:
         given = program.given
         if latest is None:
             return parameter_messages(configured, configured, given, given)
-        return parameter_messages(latest.filter.parameters, configured, latest.filter.own, given)
+        return parameter_messages(latest.filter.parameters, configured, latest.filter.models, given)
 
     @router.get("/api/ray/{ray}", responses=NO_PICTURE | refusal(404, "no such ray"))
     def ray_profile(ray: int) -> ProfileMessage:

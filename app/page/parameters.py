@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 
-from app.engine.own_models.own_models import OwnChoice
+from app.engine.added_models import ModelChoice
 from app.messages.answers import ParameterMessage
 from robot.localization.parameters import LocalizationParameters
 from robot.localization.used_parameters import idle_parameters
@@ -15,24 +15,24 @@ from robot.settings import Setting, describe
 def parameter_messages(
     localization_parameters: LocalizationParameters,
     default: LocalizationParameters,
-    own: OwnChoice,
-    given: OwnChoice,
+    models: ModelChoice,
+    given: ModelChoice,
 ) -> list[ParameterMessage]:
-    """Return each parameter of the filter with its meaning; the user's models are choices, too.
+    """Return each parameter of the filter with its meaning; models of features are choices, too.
 
     Args:
         localization_parameters: the present parameters.
         default: the parameters at the start.
-        own: the user's own models, in use and on offer.
-        given: the user's own models at the start.
+        models: models of features, in use and on offer.
+        given: models of features at the start.
     """
     result = []
     idle = idle_parameters(
-        localization_parameters, own_motion=bool(own.motion), own_sensor=bool(own.sensor)
+        localization_parameters, own_motion=bool(models.motion), own_sensor=bool(models.sensor)
     )
-    models = {
-        "laser_model_type": (own.sensor, given.sensor, own.sensors),
-        "robot_model_type": (own.motion, given.motion, own.motions),
+    choices = {
+        "laser_model_type": (models.sensor, given.sensor, models.sensors),
+        "robot_model_type": (models.motion, given.motion, models.motions),
     }
     for group in dataclasses.fields(localization_parameters):
         values, defaults = (
@@ -40,7 +40,7 @@ def parameter_messages(
             getattr(default, group.name),
         )
         for name, known in describe(values).items():
-            chosen, first, offered = models.get(name, ("", "", ()))
+            chosen, first, offered = choices.get(name, ("", "", ()))
             value = chosen or getattr(values, name)
             standard = first or getattr(defaults, name)
             message = parameter_message(group.name, name, known, value, standard, offered)

@@ -8,14 +8,13 @@ from functools import partial
 import cv2
 
 from app.console import say
-from app.control.starting import build_served
 from app.engine.plugging import plug_in, plugged
 from app.engine.robots import resolve_robot, robot_kind
 from app.feature_search import Features
 from app.page.access_options import announce, front_of, tokens_of
 from app.page.first_start import compiled
 from app.page.listening import listen
-from app.page.serving import serve, serve_on
+from app.page.serving import build_served, serve, serve_on
 from app.settings.config import Config
 from robot.settings import SettingError
 

@@ -11,7 +11,6 @@ from app.options import (
     add_condition,
     add_config,
     add_map,
-    add_own_models,
     add_profile,
     add_serial_port,
     config_from,
@@ -46,16 +45,10 @@ def add_serving(run: CommandParser) -> None:
         type=int,
         help=f"seed of everything random (default: {default.seed})",
     )
-    run.add_argument(
-        "--one-process",
-        action="store_true",
-        help="drive the robot in the process that serves the page, as a debugger likes it",
-    )
     add_access(run)
     add_condition(run)
     add_profile(run)
     add_config(run)
-    add_own_models(run)
     _add_start_pose(run)
     if run.features is not None:
         run.features.add_run_options(run)

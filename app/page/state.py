@@ -96,7 +96,7 @@ def _health(
     silent = time.monotonic() - latest.published
     if silent > STALE_S:
         where = program.engine.where_it_hangs(thread.ident)
-        return "degraded", phrase(f"No tick for {silent:.1f} s.") + (f" {where}" if where else "")
+        return "degraded", " ".join([phrase(f"No tick for {silent:.1f} s."), *where])
     failures = [follower.failure for follower in followers if follower.failure]
     problems = [*latest.problems.present, *program.complaints, *failures, *outlets.failures]
     if problems:

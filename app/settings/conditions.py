@@ -6,12 +6,12 @@ a setting worse: if the configuration's value is already worse, that value stays
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any
 
-from app.settings.config import Config, with_settings
-from app.settings.provenance import settings_of
+from app.settings.config import Config, by_path, with_settings
 from robot.settings import SettingError
 
 Preset = Mapping[str, Any]
@@ -99,7 +99,7 @@ def apply_condition(config: Config, name: str) -> Config:
         SettingError: the condition is unknown; lists the valid names.
     """
     require_condition(name)
-    preset, known = CONDITIONS[name], settings_of(config)
+    preset, known = CONDITIONS[name], by_path(dataclasses.asdict(config))
     return with_settings(config, {path: _worse(path, known[path], preset[path]) for path in preset})
 
 

@@ -24,7 +24,7 @@ from app.settings.groups import (
     Ros2Settings,
     StartPoseSettings,
 )
-from robot.cameras.camera import CameraSourceSettings
+from robot.cameras.settings import CameraSourceSettings
 from robot.driving.drive_controller import DriveSettings
 from robot.driving.figure_eight import FigureEight
 from robot.driving.odometry import OdometrySettings
@@ -98,9 +98,6 @@ class Config:
     allowed_origins: tuple[str, ...] = setting(
         (),
         "Other sites whose pages may talk to the robot, as http://localhost:5500; null: from files",
-    )
-    one_process: bool = setting(
-        False, "Drive the robot in the process that serves the page, as a debugger likes it"
     )
     seed: int = setting(0, "Seed of everything random", low=0, high=2**32 - 1)
     sensor_model: str = setting("", "A sensor model of your own, as FILE.py:CLASS")

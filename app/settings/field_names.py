@@ -7,13 +7,13 @@ from pathlib import Path
 from app.settings.config import MAPS
 from robot.errors import CommandError
 from robot.fields.field_loading import field_names
-from robot.fields.generator.names import generated_seed
+from robot.hooks import FieldSource, added
 
 
-def loadable_fields(saved: Path) -> dict[str, str]:
-    """Return the names of all fields and saved maps, as ``load_field`` takes them."""
-    own = {path.stem: str(path) for path in sorted(saved.glob("*.svg"))}
-    return {name: name for name in field_names(MAPS)} | own
+def listed_fields(saved: Path) -> list[str]:
+    """Return the names of all fields and saved maps, and an example of those that are made."""
+    made = (name for source in _by_name() for name in source.examples)
+    return list(dict.fromkeys([*_loadable(saved), *made]))
 
 
 def field_named(name: str, saved: Path) -> str:
@@ -22,11 +22,20 @@ def field_named(name: str, saved: Path) -> str:
     Raises:
         CommandError: there is no such field; a path of this computer is not a name.
     """
-    known = loadable_fields(saved)
+    known = _loadable(saved)
     if name in known:
         return known[name]
-    if generated_seed(name) is not None:
+    if any(source.has(name) for source in _by_name()):
         return name
-    raise CommandError(
-        f"there is no field {name!r}; valid are {', '.join(known)} and generated- with a number"
-    )
+    valid = ", ".join([*known, *(source.words for source in _by_name())])
+    valid += added().without
+    raise CommandError(f"there is no field {name!r}; valid are {valid}")
+
+
+def _loadable(saved: Path) -> dict[str, str]:
+    own = {path.stem: str(path) for path in sorted(saved.glob("*.svg"))}
+    return {name: name for name in field_names(MAPS)} | own
+
+
+def _by_name() -> list[FieldSource]:
+    return [source for source in added().fields if not source.files]

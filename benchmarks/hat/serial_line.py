@@ -19,7 +19,6 @@ from scipy.optimize import minimize_scalar
 from websockets.sync.connection import Connection
 
 from app.features.lab.evaluation.runs import time_to_converge
-from app.features.lab.trajectories.association import at
 from app.features.lab.trajectories.metrics import ate_rmse
 from app.trajectories.trajectory import Trajectory
 from benchmarks.hat.emulated_hat import EmulatedHat
@@ -40,6 +39,9 @@ RENEW_S = 0.2
 
 NEAR_S = 0.1
 """How far the offset of the least error may be from the best of those tried first [s]."""
+
+GAP_S = 0.2
+"""Longest time between two true poses over which the truth is interpolated [s]."""
 
 POSES = ((1, 2, 3), (4, 5, 6))
 """Columns of the estimate and of the odometry in the recorded telemetry."""
@@ -162,8 +164,14 @@ def _error_after(stamp: float, truth: Trajectory, estimate: Trajectory) -> float
 
 def _paired(truth: Trajectory, estimate: Trajectory) -> tuple[Trajectory, Trajectory]:
     """Return the truth at the estimate's stamps, and the estimate where the truth is known."""
-    where, known = at(truth, estimate.stamps)
-    return where, estimate.selected(known)
+    stamps = truth.stamps
+    after = np.clip(np.searchsorted(stamps, estimate.stamps), 1, len(stamps) - 1)
+    known = (estimate.stamps >= stamps[0]) & (estimate.stamps <= stamps[-1])
+    known &= stamps[after] - stamps[after - 1] <= GAP_S
+    matched = estimate.selected(known)
+    x, y, theta = truth.poses.T
+    poses = [np.interp(matched.stamps, stamps, axis) for axis in (x, y, np.unwrap(theta))]
+    return _planar(np.column_stack([matched.stamps, *poses])), matched
 
 
 def _planar(rows: Array) -> Trajectory:

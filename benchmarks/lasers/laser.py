@@ -19,7 +19,7 @@ from app.features.lab.localize.settings import LASER, LaserSettings
 from benchmarks.lasers.laser_robot import Laser, measurements, wander
 from benchmarks.nav2_amcl import LIBRARY, VERSION, Nav2Amcl
 from benchmarks.result import Result
-from robot.fields.grid_map import OccupancyGrid
+from robot.fields.occupancy_grid import OccupancyGrid
 from robot.geometry import Pose2
 from robot.localization.models.motion_models import MotionParameters
 from robot.localization.models.sensor_models import SensorModel, SensorParameters

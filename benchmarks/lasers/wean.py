@@ -22,7 +22,8 @@ from app.features.lab.trajectories.reading import parse_tum
 from app.settings.config import ROOT
 from benchmarks.lasers.laser_bags import LaserBag
 from benchmarks.result import Result
-from robot.fields.grid_map import OccupancyGrid, save_map_yaml
+from robot.fields.grid_map import save_map_yaml
+from robot.fields.occupancy_grid import OccupancyGrid
 from robot.geometry import Array, Pose2, wrap_angle
 from robot.settings import SettingError
 

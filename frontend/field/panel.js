@@ -56,7 +56,7 @@ export class FieldPanel {
     try {
       /** @type {FieldsMessage} */
       const { names } = await getJson("/api/fields");
-      const options = [...names, "generated-17"].map((value) => make("option", { value }));
+      const options = names.map((value) => make("option", { value }));
       this.#list.replaceChildren(...options);
     } catch (error) {
       this.toasts.fail(error);

@@ -12,7 +12,6 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import least_squares
 
 from robot.calibration.sightings import FLOOR_SD, PIXEL_SD, FloorPoints, Sightings
 from robot.description.unknowns import COUNT, PRIORS, index_of
@@ -56,6 +55,9 @@ def camera_from_tape(seen: Sightings, twists: Array, width: float) -> Guess:
         twists: (k, 2) the robot's velocity at each picture [m/s, rad/s].
         width: width of the tape [m].
     """
+    # Only the process that calibrates comes here; the page's own has no use for 10 MB of scipy.
+    from scipy.optimize import least_squares  # noqa: PLC0415
+
     every = max(1, len(twists) // MOST_PICTURES)
     seen, twists = seen.every(every), twists[::every]
     pieces = _Pieces(seen, twists, width)

@@ -7,11 +7,12 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from robot.camera import Lens
-from robot.cameras.camera import Camera, CameraSourceSettings, PictureError, SourceError
+from robot.cameras.camera import Camera, PictureError, SourceError
 from robot.cameras.files import FileCamera, FolderPictures, VideoPictures
 from robot.cameras.grabber import Device, Grabber
 from robot.cameras.pi_camera import PiCamera
 from robot.cameras.picture_socket import PictureSocket
+from robot.cameras.settings import CameraSourceSettings
 from robot.cameras.v4l2 import V4l2Device, video_nodes
 from robot.interface import Frame
 

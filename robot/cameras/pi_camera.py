@@ -14,7 +14,6 @@ import numpy as np
 
 from robot.camera import Lens
 from robot.cameras.camera import (
-    CameraSourceSettings,
     Picture,
     PictureError,
     check_size,
@@ -22,6 +21,7 @@ from robot.cameras.camera import (
     on_monotonic,
     suspend_time,
 )
+from robot.cameras.settings import CameraSourceSettings
 from robot.interface import Frame
 
 BUFFERS = 4

@@ -11,14 +11,8 @@ from pathlib import Path
 import cv2
 
 from robot.camera import Lens
-from robot.cameras.camera import (
-    CameraSourceSettings,
-    PictureError,
-    check_size,
-    middle_of_exposure,
-    on_monotonic,
-    upright,
-)
+from robot.cameras.camera import PictureError, check_size, middle_of_exposure, on_monotonic, upright
+from robot.cameras.settings import CameraSourceSettings
 from robot.interface import Frame
 
 SELECT_TIMEOUT_S = 2

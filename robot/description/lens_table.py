@@ -11,8 +11,8 @@ import numpy as np
 from robot.camera import CameraError, Lens
 from robot.description.spec import RobotSpec
 from robot.description.urdf import SpecError
+from robot.distortion import COEFFICIENTS
 from robot.geometry import Array
-from robot.lens_files.camera_info import NAMES, parameters
 from robot.settings import as_float, number_text
 
 LARGEST = 1e6
@@ -25,12 +25,12 @@ class MeasuredLens:
 
     lens: Lens = field(repr=False)
     sd: Array = field(repr=False)
-    """(p,) standard deviations in the order of ``parameters``; nan if unknown."""
+    """(p,) standard deviations in the order of ``Lens.parameters``; nan if unknown."""
 
     @classmethod
     def of(cls, lens: Lens, sd: Array | None = None) -> MeasuredLens:
         """Return a lens whose standard deviations may not be known."""
-        return cls(lens, np.full(len(parameters(lens)), np.nan) if sd is None else sd)
+        return cls(lens, np.full(len(lens.parameters), np.nan) if sd is None else sd)
 
     def applied_to(self, spec: RobotSpec) -> RobotSpec:
         """Return a robot's description with this lens; the readout time stays the same.
@@ -60,7 +60,7 @@ def table_lines(measured: MeasuredLens) -> list[str]:
     ]
     if lens.matrix[0, 1]:
         lines.append(f"skew = {float(lens.matrix[0, 1])!r}")
-    for (name, value), sd in zip(parameters(lens).items(), measured.sd.tolist(), strict=True):
+    for (name, value), sd in zip(lens.parameters.items(), measured.sd.tolist(), strict=True):
         lines.append(f"{name} = {value!r}")
         if math.isfinite(sd):
             lines.append(f"{name}_sd = {sd!r}")
@@ -76,9 +76,9 @@ def lens_of_table(table: Any) -> MeasuredLens:
     if not isinstance(table, dict):
         raise SpecError("lens is no table; valid is [lens] with width, height, model, fx, ...")
     model = table.get("model")
-    if model not in NAMES:
-        raise SpecError(f"lens.model is {model!r}; valid are {', '.join(NAMES)}")
-    names = ("fx", "fy", "cx", "cy", *NAMES[model])
+    if model not in COEFFICIENTS:
+        raise SpecError(f"lens.model is {model!r}; valid are {', '.join(COEFFICIENTS)}")
+    names = ("fx", "fy", "cx", "cy", *COEFFICIENTS[model])
     known = {"width", "height", "model", "skew", *names, *(f"{name}_sd" for name in names)}
     for name in table:
         if name not in known:

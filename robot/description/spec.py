@@ -14,12 +14,12 @@ from shapely import MultiPoint, Polygon
 from shapely.geometry.polygon import orient
 
 from robot.camera import CameraError, FloorView, Lens
+from robot.description.lens_file import read_lens
 from robot.description.rigid_bodies import with_inertia
 from robot.description.robot_model import RobotModel, place_link, read_model
 from robot.description.urdf import SpecError, origin_of, parse_xml, shape_of, text_of
 from robot.description.wheels import ROBOT_FRAME, JointSpec, read_wheels, resize_wheel
 from robot.geometry import Array
-from robot.lens_files.reading import read_lens_file
 
 __all__ = ["SPIKE", "JointSpec", "RobotSpec", "SpecError"]
 
@@ -79,7 +79,7 @@ class RobotSpec:
         return cls(
             name=root.get("name", "robot"),
             joints=joints,
-            lens=read_lens_file(folder / _lens_name(sensor)).lens,
+            lens=read_lens(folder / _lens_name(sensor)),
             robot_from_camera=_camera_pose(model, text_of(sensor, "frame", "the camera")),
             outline=_outline(root, model),
             urdf=urdf,

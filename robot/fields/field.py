@@ -17,7 +17,7 @@ from robot.fields import edges as edge_geometry
 from robot.fields.edge_index import EdgeIndex, index_edges
 from robot.fields.edges import lengths, sample
 from robot.fields.floor_picture import Extent, FloorPicture, coverage
-from robot.fields.grid_map import MAX_CELLS, OccupancyGrid
+from robot.fields.occupancy_grid import MAX_CELLS, OccupancyGrid
 from robot.fields.ray_casting import cast_rays
 from robot.fields.visibility import Visibility, visibility
 from robot.geometry import Array, Pose2
@@ -183,8 +183,9 @@ class Field:
         The free floor is the light floor within ``drive_area``, or the free cells of a ROS map. On
         a field with light tape, it is the floor of about the most frequent brightness.
         """
-        origin, side, cells = self._free_cells
-        chosen = cells[rng.integers(0, len(cells), count)] + rng.random((count, 2))
+        origin, side, width, cells = self._free_cells
+        rows, columns = divmod(cells[rng.integers(0, len(cells), count)], width)
+        chosen = np.column_stack([columns, rows]) + rng.random((count, 2))
         places = origin.apply(chosen * side)
         return np.column_stack([places, rng.uniform(-math.pi, math.pi, count)])
 
@@ -212,14 +213,16 @@ class Field:
         return xmin, ymin, xmax, ymax
 
     @cached_property
-    def _free_cells(self) -> tuple[Pose2, float, NDArray[np.int32]]:
-        """The grid's origin, the side of a cell [m], and free cells (n, 2) as column and row."""
+    def _free_cells(self) -> tuple[Pose2, float, int, NDArray[np.int32]]:
+        """The grid's origin, the side of a cell [m], cells in a row, and free cells (n,).
+
+        A cell is its number, counted by rows: a floor has up to a million cells.
+        """
         grid = self.grid or self._light_cells(self.drive_area)
-        # Small numbers: a floor has up to a million cells.
-        free = np.argwhere(grid.free)[:, ::-1].astype(np.int32)
+        free = np.flatnonzero(grid.free).astype(np.int32)
         if not len(free):
             raise FieldError(f"the field {self.name} has no free floor")
-        return grid.origin, grid.resolution, free
+        return grid.origin, grid.resolution, grid.free.shape[1], free
 
     def _light_cells(self, box: Extent) -> OccupancyGrid:
         """Return the free floor within a box, in cells of a few millimetres."""

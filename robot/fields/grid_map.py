@@ -1,4 +1,4 @@
-"""Occupancy grids and their ROS files: map_server's YAML with a picture.
+"""Files of occupancy grids as ROS has them: map_server's YAML with a picture.
 
 A pixel means the same as in nav2's map_server (nav2_map_server, ``map_io``), mode by mode. So a map
 is the same here as on the robot that it was made for.
@@ -9,7 +9,7 @@ from __future__ import annotations
 import logging
 import math
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path, PureWindowsPath
 
 import cv2
@@ -17,71 +17,19 @@ import numpy as np
 import yaml
 from numpy.typing import NDArray
 
-from robot.fields.map_files import MAX_PIXELS, MapError, Picture, read_map_yaml, read_picture
+from robot.fields.map_files import Picture, read_map_yaml, read_picture
+from robot.fields.occupancy_grid import FREE, OCCUPIED, UNKNOWN, Cells, MapError, OccupancyGrid
 from robot.file_names import as_written
 from robot.geometry import Array, Pose2
 
-__all__ = ["MapError", "Meaning", "OccupancyGrid", "load_map_yaml", "save_map_yaml"]
-
-MAX_CELLS = MAX_PIXELS
 MODES = ("trinary", "scale", "raw")
-UNKNOWN, FREE, OCCUPIED = -1, 0, 100
-RESOLUTION_M = (1e-4, 100.0)
-"""Smallest and largest cell [m]."""
 
 COARSEST_M = 1.0
 """Largest cell in a file [m]: a robot on a floor finds nothing in larger ones."""
 MOST_TURN = 2 * math.pi + 1e-3
 """Largest yaw in a file [rad]."""
-FAR_M = 1e6
-"""An origin farther away is a mistake [m]."""
 
 LOG = logging.getLogger("brickpose")
-
-Cells = NDArray[np.int8]
-
-
-@dataclass(frozen=True, eq=False)
-class OccupancyGrid:
-    """Cells that are free, occupied or unknown, as in nav_msgs/OccupancyGrid."""
-
-    data: Cells = field(repr=False)
-    """(h, w), read-only: -1 unknown, else 0 (free) to 100 (occupied). Row 0 is at the bottom."""
-    resolution: float
-    """Side of a cell [m]."""
-    origin: Pose2
-    """The outer corner of cell (0, 0) in the map frame; rows and columns turn with its heading."""
-
-    def __post_init__(self) -> None:
-        if self.data.ndim != 2 or not self.data.size or self.data.size > MAX_CELLS:
-            raise MapError(f"a grid of shape {self.data.shape}; valid are 1 to {MAX_CELLS} cells")
-        if self.data.dtype != np.int8 or self.data.min() < UNKNOWN or self.data.max() > OCCUPIED:
-            raise MapError("a cell is out of range; valid are -1 (unknown) and 0 to 100")
-        low, high = RESOLUTION_M
-        if not low <= self.resolution <= high:
-            raise MapError(f"resolution is {self.resolution} m; valid is {low:g} to {high:g} m")
-        if not (self.origin.is_finite() and math.hypot(self.origin.x, self.origin.y) <= FAR_M):
-            raise MapError(f"origin is {self.origin}; valid is within {FAR_M:g} m")
-        self.data.setflags(write=False)
-
-    @property
-    def occupied(self) -> NDArray[np.bool_]:
-        """Which cells (h, w) are occupied: 65 or more, map_server's own threshold."""
-        return self.data >= 65
-
-    @property
-    def free(self) -> NDArray[np.bool_]:
-        """Which cells (h, w) are known to be free: 0 to 25, map_server's own threshold."""
-        return (self.data >= FREE) & (self.data <= 25)
-
-    def values_at(self, points: Array) -> Cells:
-        """Return the values (n,) of the cells at points (n, 2) [m] of the map; -1 off the grid."""
-        column, row = np.floor(self.origin.inverse().apply(points) / self.resolution).T
-        height, width = self.data.shape
-        inside = (column >= 0) & (column < width) & (row >= 0) & (row < height)
-        values = np.full(len(points), UNKNOWN, dtype=np.int8)
-        values[inside] = self.data[row[inside].astype(np.intp), column[inside].astype(np.intp)]
-        return values
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,13 +16,13 @@ import numpy as np
 import yaml
 from numpy.typing import NDArray
 
-from robot.errors import BrickPoseError
+from robot.fields.occupancy_grid import MAX_CELLS, MapError
 from robot.lfs_pointer import is_lfs_pointer
 from robot.yaml_file import parse_yaml
 
 MAX_YAML_BYTES = 64 << 10
 MAX_PICTURE_BYTES = 256 << 20
-MAX_PIXELS = 64_000_000
+MAX_PIXELS = MAX_CELLS
 PICTURES = (".pgm", ".ppm", ".png", ".bmp", ".jpg", ".jpeg", ".tif", ".tiff")
 SAVED_BY = {
     ".posegraph": "slam_toolbox",
@@ -34,10 +34,6 @@ SAVED_BY = {
 """Endings of files that are no maps of cells, with who writes them."""
 MAX_SIDE = 32_000
 """Largest side [px]: OpenCV's transforms take no more."""
-
-
-class MapError(BrickPoseError, ValueError):
-    """A map that cannot be used; the message says what is valid."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,8 +9,9 @@ from typing import Protocol
 
 import numpy as np
 
-from robot.cameras.camera import Camera, CameraSourceSettings
+from robot.cameras.camera import Camera
 from robot.cameras.choice import open_camera
+from robot.cameras.settings import CameraSourceSettings
 from robot.description.spec import RobotSpec
 from robot.geometry import Array
 from robot.hat.board import BoardDriver

@@ -10,27 +10,13 @@ import numpy as np
 from robot.camera import Lens
 from robot.geometry import Array
 
-NAMES = {
-    "plumb_bob": ("k1", "k2", "p1", "p2", "k3"),
-    "rational_polynomial": ("k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"),
-    "equidistant": ("k1", "k2", "k3", "k4"),
-}
-"""The coefficients of each model."""
-
-
-def parameters(lens: Lens) -> dict[str, float]:
-    """Return the lens's numbers by name: focal lengths and principal point [px], coefficients."""
-    names = ("fx", "fy", "cx", "cy", *NAMES[lens.model])
-    values = [*lens.matrix[[0, 1], [0, 1]], *lens.matrix[:2, 2], *lens.distortion]
-    return {name: float(value) for name, value in zip(names, values, strict=True)}
-
 
 def camera_info(lens: Lens, sd: Array | None = None, title: str = "") -> str:
     """Return the content of the file.
 
     Args:
         lens: the lens.
-        sd: (p,) standard deviations of what ``parameters`` lists; BrickPose's own key.
+        sd: (p,) standard deviations of what ``Lens.parameters`` lists; BrickPose's own key.
         title: lines of comment.
     """
     projection = np.column_stack([lens.matrix, np.zeros(3)])
@@ -50,7 +36,7 @@ def camera_info(lens: Lens, sd: Array | None = None, title: str = "") -> str:
     if sd is not None:
         lines.append("# Ours; ROS leaves it alone: standard deviations.")
         lines.append("parameter_sd:")
-        named = zip(parameters(lens), sd.tolist(), strict=True)
+        named = zip(lens.parameters, sd.tolist(), strict=True)
         lines += [f"  {name}: {value!r}" for name, value in named]
     return "\n".join(lines) + "\n"
 
@@ -59,7 +45,7 @@ def parameter_sd(keys: Mapping[str, Any], lens: Lens) -> Array | None:
     """Return the standard deviations (p,) in a lens's file; None if they are not in it."""
     table = keys.get("parameter_sd", {})
     try:
-        values = np.array([float(table[name]) for name in parameters(lens)])
+        values = np.array([float(table[name]) for name in lens.parameters])
     except (KeyError, TypeError, ValueError):
         return None
     return values if (np.isfinite(values) & (values >= 0)).all() else None

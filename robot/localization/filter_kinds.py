@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pkgutil import resolve_name
 from typing import TYPE_CHECKING
+
+from robot.hooks import added
 
 if TYPE_CHECKING:
     import numpy as np
@@ -50,12 +52,31 @@ OURS = (
         "kalman", "robot.localization.kalman_filter:KalmanFilter.of", has_sensor_model=False
     ),
 )
-FILTERS: dict[str, FilterKind] = {kind.name: kind for kind in OURS}
-"""What the parameter ``filter`` chooses from; features add theirs by ``offer_filters``."""
 
 
-def offer_filters(kinds: Iterable[FilterKind]) -> None:
-    """Offer filters beside ours, in place of those that were offered before."""
-    kinds = (*OURS, *kinds)
-    FILTERS.clear()
-    FILTERS.update((kind.name, kind) for kind in kinds)
+class _Filters(Mapping[str, FilterKind]):
+    """The filters on offer; features are asked only where ours are not enough."""
+
+    def __contains__(self, name: object) -> bool:
+        return name in _OURS or name in self._all
+
+    def __getitem__(self, name: str) -> FilterKind:
+        return _OURS[name] if name in _OURS else self._all[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._all)
+
+    def __len__(self) -> int:
+        return len(self._all)
+
+    def __bool__(self) -> bool:
+        return True
+
+    @property
+    def _all(self) -> dict[str, FilterKind]:
+        return _OURS | {kind.name: kind for kind in added().filters}
+
+
+_OURS = {kind.name: kind for kind in OURS}
+FILTERS = _Filters()
+"""What the parameter ``filter`` chooses from: ours, and those that features add."""

@@ -13,20 +13,19 @@ import numpy as np
 from robot.covariance import inverse
 from robot.localization.estimate import Hypothesis
 from robot.localization.filter import Setup
-from robot.localization.scan_matching import GATE_SDS, ScanMatcher
+from robot.localization.scan_matching import GATE_SDS, SLOPE, ScanMatcher
 from robot.scan import Scan, rays_of
 
 FEWEST_BEAMS = 100
 """At least this many rays of a scan are used, if it has them: they cost little here, and each one
 improves the pose."""
-SLOPE = 25.0
-"""Growth of a range's spread with its square [1/m²]: one over the square of the camera's height."""
 NEAR_SHARE = 0.1
 """Spread of a near range as a share of ``sigma_hit``, which also covers the gaps in a cloud."""
 BELIEVED = 16.0
 """Factor by which the pose's variance is smaller than the spread of its rays says. That spread
 weighs the rays against the cloud, and gives the most exact pose; this factor then makes the
-covariance honest (NEES near 3)."""
+covariance honest (NEES near 3). Half and twice: certain in 31 to 32 % of pictures instead of 30.5,
+and misleading as often."""
 WIDEST = 5.0
 """A hypothesis wider than this many standard deviations of a range is not refined: its mean may lie
 between two places."""

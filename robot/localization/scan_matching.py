@@ -17,7 +17,10 @@ from robot.geometry import Array, Pose2
 STEPS = 6
 """Most Gauss-Newton steps; from a few centimetres away, four are enough."""
 TAIL = 9.0
-"""Squared residual, in standard deviations, beyond which a ray is an outlier (Cauchy's weights)."""
+"""Squared residual, in standard deviations, at which a ray counts half (Cauchy's weights); beyond,
+it is an outlier."""
+SLOPE = 25.0
+"""Growth of a range's spread with its square [1/m²]: one over the square of the camera's height."""
 GATE_SDS = 10.0
 """Largest residual of a range that measures the edge, in standard deviations."""
 LENGTHS = 3

@@ -11,7 +11,6 @@ from collections.abc import Iterator, Sequence
 from itertools import combinations
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline
 
 from robot.geometry import Array
 from robot.mapping.bare_floor import gaps
@@ -136,6 +135,8 @@ def is_tape_between(
         width: of the tape [m].
         rays: of the drive.
     """
+    from scipy.interpolate import CubicHermiteSpline  # noqa: PLC0415 - as in strokes.py
+
     far = math.dist(place, other_place)
     curve = CubicHermiteSpline(
         [0.0, far], np.vstack([place, other_place]), np.vstack([outward, -backward])

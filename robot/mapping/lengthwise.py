@@ -12,7 +12,6 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import least_squares
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
@@ -117,6 +116,9 @@ def _fit(points: Array, front: NDArray[np.bool_], width: float) -> Stroke | None
     Returns:
         None if it is no tape.
     """
+    # Only the process that draws comes here; the page's own has no use for 10 MB of scipy.
+    from scipy.optimize import least_squares  # noqa: PLC0415
+
     axes = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[2]
     fits = []
     for inward in (axes[0], -axes[0], axes[1], -axes[1]):

@@ -1,4 +1,10 @@
-"""Adjusts a drive's path, the robot and the strokes of tape together, by least squares."""
+"""Adjusts a drive's path, the robot and the strokes of tape together, by least squares.
+
+A map as a whole may lie anywhere; only where the robot began says where. Held tightly there, the
+first steps would tear when the rest of the map has to turn: strokes move sideways only, so a turn
+by degrees is a long way for all of them. So the start is held loosely while the map is adjusted,
+and afterwards all of it is moved, as it is, to where it began.
+"""
 
 from __future__ import annotations
 
@@ -6,11 +12,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from robot.calibration.adjustment import Adjustment, DriveEstimate, Weights
+from robot.calibration.adjustment import Adjustment, DriveEstimate, Solution, Weights, residual_sd
 from robot.calibration.sightings import Sightings
 from robot.calibration.wheel_motion import WheelMotion
 from robot.description.unknowns import COUNT
-from robot.geometry import Array
+from robot.geometry import Array, Pose2, wrap_angle
 from robot.mapping.strokes import Strokes
 
 NODE_SD = 1.0
@@ -19,6 +25,12 @@ was traced because the path was thought to be there, which says nothing of where
 BEND_SD = 0.03
 """... and of how far a node lies off the middle of its neighbours, farther than it was traced [m]:
 few pictures may tell little of one node."""
+LEAST_FACTOR = 0.5
+"""Errors of the camera do not shrink with the picture's noise: the deviations that were expected
+are lowered to this share at most."""
+CURVE_SD = 0.0004
+"""Standard deviation of an edge that bends, beside the noise [m]: it is found as if it were
+straight over some centimetres, in all pictures alike."""
 
 
 class MapAdjustment(Adjustment):
@@ -48,3 +60,30 @@ class MapAdjustment(Adjustment):
         bends = self._strokes.bends
         whole[COUNT:, COUNT:] += bends.T @ bends / BEND_SD**2
         return np.concatenate([robot, state.map]), whole
+
+
+def moved_to_start(solution: Solution, strokes: Strokes, start: Array) -> tuple[Solution, Strokes]:
+    """Return path and strokes, moved rigidly, so that the robot begins at a pose (3,) [m, rad]."""
+    poses = solution.state.poses
+    motion = Pose2.from_array(start) @ Pose2.from_array(poses[0]).inverse()
+    turned = wrap_angle(poses[:, 2] + motion.theta)
+    moved = np.column_stack([motion.apply(poses[:, :2]), turned])
+    state = replace(solution.state, poses=moved)
+    misses = replace(solution.misses, ends=motion.apply(solution.misses.ends))
+    traced = tuple(replace(stroke, nodes=motion.apply(stroke.nodes)) for stroke in strokes.traced)
+    return replace(solution, state=state, misses=misses), replace(strokes, traced=traced)
+
+
+def node_sd(strokes: Strokes, solution: Solution) -> Array:
+    """Return how uncertain each node (n,) is across its stroke [m], in the robot's first frame.
+
+    The covariance of the adjustment, by the variance factor of what was seen.
+    """
+    factor = max(LEAST_FACTOR, residual_sd(solution.misses))
+    variances = factor**2 * np.diag(solution.covariance)[COUNT:]
+    curved = np.repeat(
+        [stroke.curved for stroke in strokes.traced],
+        [len(stroke.nodes) for stroke in strokes.traced],
+    )
+    sd: Array = np.sqrt(variances + np.where(curved, CURVE_SD**2, 0.0))
+    return sd

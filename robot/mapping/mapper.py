@@ -35,13 +35,12 @@ from robot.mapping.cutting import without_gaps
 from robot.mapping.ends import RaysOnFloor
 from robot.mapping.joining import joined
 from robot.mapping.lengthwise import find_lengthwise
-from robot.mapping.map_adjustment import MapAdjustment
+from robot.mapping.map_adjustment import MapAdjustment, moved_to_start
 from robot.mapping.moving import moving
 from robot.mapping.redundant import without_redundant
 from robot.mapping.refinement import refined
 from robot.mapping.seen_floor import SeenFloor
 from robot.mapping.sketch import Sketch
-from robot.mapping.start_frame import moved_to_start
 from robot.mapping.stroke_fitting import FINE_SPACING, SPACING, fit_stroke
 from robot.mapping.strokes import Stroke, Strokes
 from robot.mapping.tape_map import MappingError, TapeMap

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from robot.fields.edges import outline
 from robot.fields.floor_picture import coverage
-from robot.fields.grid_map import MAX_CELLS, OCCUPIED, UNKNOWN, OccupancyGrid
+from robot.fields.occupancy_grid import MAX_CELLS, OCCUPIED, UNKNOWN, OccupancyGrid
 from robot.geometry import Array, Pose2
 from robot.mapping.ends import RaysOnFloor
 

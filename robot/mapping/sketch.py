@@ -9,9 +9,9 @@ import numpy as np
 
 from robot.calibration.adjustment import Solution
 from robot.geometry import Array, Pose2
+from robot.mapping.map_adjustment import node_sd
 from robot.mapping.pushed import moved_at
 from robot.mapping.strokes import Stroke, Strokes
-from robot.mapping.uncertainty import node_sd
 
 MOST_POINTS = 1500
 """Most of the points at which edges were seen."""

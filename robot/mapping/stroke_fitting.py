@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from robot.geometry import Array
 from robot.mapping.strokes import Stroke
@@ -76,6 +75,8 @@ def _walked(line: Array) -> Array:
 
 def _nodes(line: Array, spacing: float) -> Array:
     """Return the nodes (n, 2) of an open spline."""
+    from scipy.interpolate import CubicSpline  # noqa: PLC0415 - as in strokes.py
+
     walked = _walked(line)
     knots = np.linspace(0.0, walked[-1], max(3, 1 + round(walked[-1] / spacing)))
     shares = CubicSpline(knots, np.eye(len(knots)), bc_type="not-a-knot")(walked)
@@ -84,6 +85,8 @@ def _nodes(line: Array, spacing: float) -> Array:
 
 def _closed_nodes(line: Array, spacing: float) -> Array:
     """Return the nodes (n, 2) of a closed spline through points of which the last is the first."""
+    from scipy.interpolate import CubicSpline  # noqa: PLC0415 - as in strokes.py
+
     walked = _walked(line)
     count = max(6, round(walked[-1] / spacing))
     knots = np.linspace(0.0, walked[-1], count + 1)

@@ -6,14 +6,17 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
 from robot.calibration.tape_edges import END, TapeEdges
 from robot.fields.edges import normals
 from robot.geometry import Array
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicSpline
 
 FINE = 5e-5
 """Curves are divided into lines that lie at most about this far beside them [m]."""
@@ -138,6 +141,9 @@ class Stroke:
 
     def spline(self, values: Array) -> CubicSpline:
         """Return the spline through values (n, k) at the nodes."""
+        # Most programs draw no map: 14 MB, and a tenth of a second at each start.
+        from scipy.interpolate import CubicSpline  # noqa: PLC0415
+
         if self.closed:
             return CubicSpline(self.knots, np.vstack([values, values[:1]]), bc_type="periodic")
         return CubicSpline(self.knots, values, bc_type="not-a-knot")

@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from robot.calibration.adjustment import Solution, residual_sd
 from robot.errors import BrickPoseError
-from robot.fields.grid_map import OccupancyGrid
+from robot.fields.occupancy_grid import OccupancyGrid
 from robot.geometry import Array, Pose2
 from robot.mapping.crossings import BareFloor
 from robot.mapping.drawing import drawing
+from robot.mapping.map_adjustment import node_sd
 from robot.mapping.pushed import moved_at, push_remark
 from robot.mapping.seen_floor import SeenFloor, occupancy
-from robot.mapping.steadiness import steadiness
-from robot.mapping.strokes import Strokes
+from robot.mapping.strokes import Stroke, Strokes
 from robot.mapping.tidying import TidyStrokes
-from robot.mapping.uncertainty import node_sd
 
 LEAST_SHARE = 0.7
 """A map fits if this share of the edges that were seen lies on its strokes."""
@@ -181,6 +180,29 @@ class TapeMap:
     def drawing(self, title: str) -> str:
         """Return the map as an SVG, for ``load_field``."""
         return drawing(self.tidy, self.measured.width, self.first_pose, title)
+
+
+def steadiness(strokes: Sequence[Stroke]) -> float:
+    """Return how well tape determines the motion that it determines worst, 0 to 1.
+
+    It is the ratio of the smallest to the largest eigenvalue of the information that centre lines
+    give about a small motion; a turn counts by how far it moves the tape. It is 0 if some motion
+    leaves all tape in place, such as a turn of a circle about its centre.
+    """
+    lines = [stroke.points for stroke in strokes]
+    along = np.vstack([np.diff(line, axis=0) for line in lines])
+    middle = np.vstack([(line[1:] + line[:-1]) / 2 for line in lines])
+    length = np.hypot(*along.T)
+    left = np.column_stack([-along[:, 1], along[:, 0]]) / length[:, None]
+    # The ends of a long line determine a turn, too.
+    points = np.vstack([middle - along / 3, middle, middle + along / 3])
+    normals, weights = np.tile(left, (3, 1)), np.tile(length, 3)
+    away = points - np.average(points, axis=0, weights=weights)
+    size = np.sqrt(np.average((away**2).sum(axis=1), weights=weights))
+    turn = (away[:, 0] * normals[:, 1] - away[:, 1] * normals[:, 0]) / size
+    by_motion = np.column_stack([normals, turn]) * np.sqrt(weights)[:, None]
+    values = np.linalg.eigvalsh(by_motion.T @ by_motion)
+    return float(max(0.0, values[0]) / values[-1])
 
 
 def _near(places: Array) -> str:

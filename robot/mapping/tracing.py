@@ -180,15 +180,13 @@ class _Tracer:
         """Follow a line from a cell, both ways."""
         start, heading = self._cells.points[seed], self._cells.along[seed]
         self.free[seed] = False
-        ahead, closed = self._follow(start, heading, [])
+        ahead, closed = self._follow(start, heading)
         if closed:
             return np.vstack([start, *ahead, start])
-        behind, _ = self._follow(start, -heading, ahead)
+        behind, _ = self._follow(start, -heading)
         return np.vstack([*behind[::-1], start, *ahead])
 
-    def _follow(
-        self, start: Array, heading: Array, others: list[Array]
-    ) -> tuple[list[Array], bool]:
+    def _follow(self, start: Array, heading: Array) -> tuple[list[Array], bool]:
         cells = self._cells
         points: list[Array] = []
         headings = [heading]

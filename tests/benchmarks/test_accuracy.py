@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from app.features.lab.evaluation.drives import record
-from app.features.lab.evaluation.experiment import in_world
+from app.features.lab.evaluation.experiment import KNOWN, in_world
 from app.features.lab.evaluation.integrity.oracle import field_decides
 from app.features.lab.evaluation.runs import errors, follow
 from app.settings.config import Config
@@ -17,7 +17,6 @@ from benchmarks.accuracy import (
     CARRIED_FOR,
     FINDERS_AGAIN,
     SETTLED,
-    TOLD,
     find_again,
     judged,
     lap,
@@ -42,12 +41,12 @@ def drive():
 def test_a_robot_whose_camera_is_mounted_askew_is_not_lost():
     """Of the plain square, whose four places look alike: it once ended at one of the others."""
     config = in_world(Config(seed=108), "as-real")
-    run = follow(askew := record(config, SECONDS), config, askew.ticks[0].truth, TOLD)
+    run = follow(askew := record(config, SECONDS), config, askew.ticks[0].truth, KNOWN)
     assert errors(run, run.estimate)[0].max() < 0.05
 
 
 def followed(drive, **changes) -> list[PictureResult]:
-    shown = try_filter(drive, with_filter(**changes), SEED, drive.ticks[0].truth, TOLD)
+    shown = try_filter(drive, with_filter(**changes), SEED, drive.ticks[0].truth, KNOWN)
     return [one for one in shown if one.stamp > SETTLED]
 
 

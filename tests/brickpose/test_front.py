@@ -10,6 +10,8 @@ import pytest
 import brickpose
 
 SOURCE = Path(brickpose.__file__).read_text(encoding="utf-8")
+EXAMPLE = 266
+"""Most modules of ours that README's example loads; fewer are better."""
 
 
 def typed():
@@ -41,3 +43,21 @@ def test_the_front_alone_loads_nothing_else():
         [sys.executable, "-c", script], check=True, capture_output=True, text=True, timeout=60
     )
     assert done.stdout == "\n"
+
+
+def test_the_readmes_example_loads_little_of_the_program():
+    script = (
+        "import sys; from brickpose import Config, FigureEightCommand, build_program\n"
+        "program = build_program(Config(map='stub', seed=1))\n"
+        "program.engine.commands.put(FigureEightCommand(type='figure_eight'))\n"
+        "program.engine.step()\n"
+        "program.robot.close()\n"
+        "ours = ('app', 'robot', 'sim', 'brickpose')\n"
+        "print(*(name for name in sys.modules if name.split('.')[0] in ours))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script], check=True, capture_output=True, text=True, timeout=120
+    )
+    loaded = done.stdout.split()
+    assert len(loaded) <= EXAMPLE
+    assert "app.page.server" not in loaded

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import re
 import shutil
@@ -15,7 +16,7 @@ import httpx
 import pytest
 from browsing import visit
 from playwright.sync_api import expect
-from serving import ROOT, serving, until
+from serving import ROOT, ask, drive_until, serving, until
 from websockets.sync.client import connect
 
 PACKAGE = ROOT / "examples" / "feature_package"
@@ -75,8 +76,8 @@ def test_it_adds_a_command_an_address_a_document_and_a_check(beside, monkeypatch
         with urlopen(f"{server.url}/openapi.json", timeout=10) as answer:
             assert "/api/tape_seen" in json.load(answer)["paths"]
     told = brickpose("doctor", "--robot", "kinematic", beside=beside).stdout
-    names = "build_hat, calibration, course, lab, mapping, recordings, ros, tape_seen, weighing"
-    assert f"ok       Features: {names}\n" in told
+    ours = "build_hat, calibration, course, grid_filter, lab, mapping, own_models, recordings, ros"
+    assert f"ok       Features: {ours}, tape_seen, weighing\n" in told
     assert "Tape is looked for on 91 rays" in told
     (tmp_path / "mine.toml").write_text("[tape_seen]\nfewest_rays = 200\n")
     words = ("doctor", "--robot", "kinematic", "--config", str(tmp_path / "mine.toml"))
@@ -84,6 +85,22 @@ def test_it_adds_a_command_an_address_a_document_and_a_check(beside, monkeypatch
     left_out = brickpose(*words, "--without", "tape_seen", beside=beside)
     assert "rays" not in left_out.stdout + left_out.stderr
     assert "tape-seen  " in brickpose("--help", beside=beside).stdout
+
+
+def test_it_adds_a_sensor_model_with_which_the_robot_keeps_its_place(beside, monkeypatch):
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join((str(beside), str(ROOT))))
+    with serving("--robot", "kinematic") as server, server.live() as live:
+        refused = ask(live, type="set_parameters", values={"laser_model_type": "no_tape"})
+        assert "laser_model_type is 'no_tape'; valid are" in refused["message"]
+        values = {"laser_model_type": "near_tape", "filter": "particles"}
+        assert ask(live, type="set_parameters", values=values)["type"] == "ack"
+        begin = until(live, lambda now: now["estimate"])["truth"]
+        now = drive_until(live, 0.1, lambda now: now["truth"]["x"] > begin["x"] + 0.2)
+        assert now["problems"] == []
+        assert math.hypot(*(now["estimate"][one] - now["truth"][one] for one in "xy")) < 0.02
+        parameters = httpx.get(f"{server.url}/api/parameters", trust_env=False).json()
+        model = next(one for one in parameters if one["name"] == "laser_model_type")
+        assert (model["value"], model["choices"][-1]) == ("near_tape", "near_tape")
 
 
 @pytest.mark.browser

@@ -13,10 +13,10 @@ from own_model_examples import EXAMPLES
 from playwright.sync_api import expect
 from serving import serving, until
 
-from app.engine.own_models.guards import OwnSensor
-from app.engine.own_models.model_file import ModelFile, build, load
-from app.engine.own_models.own_models import OwnModels
-from app.engine.own_models.trial import LONGEST_S, doubt_of
+from app.features.own_models.guards import OwnSensor
+from app.features.own_models.model_file import ModelFile, build, load
+from app.features.own_models.own_models import OwnModels
+from app.features.own_models.trial import LONGEST_S, doubt_of
 from app.settings.config import MAPS
 from robot.fields.field_loading import load_field
 from robot.localization.parameters import LocalizationParameters
@@ -46,7 +46,7 @@ def sensor_of(path: Path, name: str, field: str) -> OwnSensor:
 @pytest.fixture(autouse=True)
 def in_time(monkeypatch):
     """What is compiled first, and a busy machine, end no trial early here."""
-    monkeypatch.setattr("app.engine.own_models.trial.LONGEST_S", 60.0)
+    monkeypatch.setattr("app.features.own_models.trial.LONGEST_S", 60.0)
 
 
 @pytest.mark.parametrize("field", FIELDS)
@@ -63,7 +63,7 @@ def test_a_good_model_is_not_doubted(save, text, name, field) -> None:
 
 
 def test_a_slow_model_is_not_asked_for_long(save, monkeypatch) -> None:
-    monkeypatch.setattr("app.engine.own_models.trial.LONGEST_S", LONGEST_S)
+    monkeypatch.setattr("app.features.own_models.trial.LONGEST_S", LONGEST_S)
     path = save("""
         import time
         import numpy as np
@@ -85,12 +85,12 @@ def test_a_mended_model_is_doubted_no_more(save) -> None:
     parameters = LocalizationParameters()
     path = save(source("a constant"))
     own = OwnModels(FIELDS["square"], sensor=f"{path}:Nonsense")
-    own.load(parameters)
+    own.make(parameters, fresh=True)
     assert own.fault is None
     doubt = own.problems["doubtful models"]
     assert doubt is not None and doubt.startswith("mine.py:Nonsense: In ")
     save(GOOD + CLASS)
-    own.load(parameters)
+    own.make(parameters, fresh=True)
     assert own.problems["doubtful models"] is None
 
 
@@ -106,7 +106,7 @@ def test_a_fault_is_traced_from_the_users_file_on(save) -> None:
                 return np.zeros(len(poses)) @ poses.point
     """)
     own = OwnModels(FIELDS["square"], sensor=f"{path}:Broken")
-    own.load(LocalizationParameters())
+    own.make(LocalizationParameters(), fresh=True)
     assert own.fault is not None and own.fault.startswith("mine.py line 9: AttributeError")
     first, call, second, line, error = own.trace.splitlines()
     assert (first, second) == ("mine.py line 6, in log_likelihood", "mine.py line 9, in sum_of")

@@ -5,7 +5,7 @@ import pytest
 from own_model_examples import EXAMPLES, PAGE
 
 from app.engine.build import build_program
-from app.engine.own_models.model_file import ModelFile, build, load
+from app.features.own_models.model_file import ModelFile, build, load
 from app.messages.driving_commands import FigureEightCommand
 from app.settings.config import Config
 from sim.simulated import PERIOD

@@ -9,10 +9,10 @@ import cv2
 import numpy as np
 
 from robot.camera import Lens
-from robot.cameras.camera import CameraSourceSettings
 from robot.cameras.choice import open_camera
 from robot.cameras.grabber import Grabber
 from robot.cameras.picture_socket import HEADER, MARK, PictureSocket
+from robot.cameras.settings import CameraSourceSettings
 
 READOUT = 0.016
 SLOW_S = 10.0

@@ -10,14 +10,11 @@ from numba.core.dispatcher import Dispatcher
 from app.engine.build import build_program
 from app.engine.program import Program
 from app.engine.snapshot import Snapshot
-from app.feature_search import find_features
 from app.messages.commands import Command, ScatterCommand, SetParametersCommand, SetPoseCommand
 from app.messages.driving_commands import FigureEightCommand
 from app.settings.config import Config
 from robot.localization.filter_kinds import FILTERS
 from robot.localization.models.motion_models import MOTION_MODELS
-
-find_features().offer_filters()
 
 SEARCH_TICKS = 150
 """Enough for the hypotheses to collect a short map, and to search for places twice."""

@@ -7,7 +7,8 @@ import numpy as np
 from app.features.lab.localize.laser_map import LaserMap
 from benchmarks.lasers.laser_bags import LaserBag
 from benchmarks.lasers.laser_robot import Laser, wander
-from robot.fields.grid_map import OccupancyGrid, save_map_yaml
+from robot.fields.grid_map import save_map_yaml
+from robot.fields.occupancy_grid import OccupancyGrid
 from robot.geometry import Pose2
 
 CELL = 0.05

@@ -5,14 +5,15 @@ from dataclasses import replace
 import engine_runs
 import numpy as np
 
+from app.engine.added_models import AddedModels, choice_of
 from app.engine.commands import apply
 from app.engine.controls import Controls
 from app.engine.driving import Driving
 from app.engine.engine import Engine
 from app.engine.localization import Localization
-from app.engine.own_models.own_models import OwnModels
 from app.engine.program import Program
 from app.engine.snapshot import Snapshot
+from app.features.own_models.own_models import OwnModels
 from robot.driving.differential_drive import DifferentialDrive
 from robot.driving.drive_controller import DriveController
 from robot.driving.odometry import Odometry
@@ -46,7 +47,12 @@ def undoubted(shown: Snapshot) -> list[str]:
 
 def with_own(base: Program, path="", name="Flat", motion="", folder="") -> Program:
     """A new engine around the robot of another program, back at its start."""
-    own = OwnModels(base.field, sensor=path and f"{path}:{name}", motion=motion, folder=str(folder))
+    sensor = path and f"{path}:{name}"
+    return with_added(base, OwnModels(base.field, sensor=sensor, motion=motion, folder=str(folder)))
+
+
+def with_added(base: Program, *added: AddedModels) -> Program:
+    """The same with any models that features may add."""
     kinematics = DifferentialDrive(base.robot.spec)
     base.robot.place(base.field.start)
     base.robot.write(np.zeros(2))
@@ -54,9 +60,9 @@ def with_own(base: Program, path="", name="Flat", motion="", folder="") -> Progr
     controls = Controls(
         base.robot,
         Odometry(kinematics, base.config.odometry),
-        Localization(scanner, base.field, ONE_CLOUD, np.random.default_rng(0), own=own),
+        Localization(scanner, base.field, ONE_CLOUD, np.random.default_rng(0), added=added),
         Driving(DriveController(kinematics, base.config.drive), base.config.drive.cmd_vel_timeout),
         base.field.start,
     )
     engine = Engine(controls, apply)
-    return replace(base, engine=engine, given=own.choice)
+    return replace(base, engine=engine, given=choice_of(added))

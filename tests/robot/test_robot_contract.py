@@ -8,8 +8,8 @@ from simulators import require_engine
 from app.engine.build import build_program
 from app.settings.config import Config
 from benchmarks.hat.bricks import Bricks
-from robot.cameras.camera import CameraSourceSettings
 from robot.cameras.choice import open_camera
+from robot.cameras.settings import CameraSourceSettings
 from robot.geometry import Pose2
 from robot.interface import RepositionableRobot, Robot
 

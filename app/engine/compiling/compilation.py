@@ -15,7 +15,7 @@ import numba
 from numba.core.bytecode import FunctionIdentity
 
 from app.engine.compiling.functions import FUNCTIONS, Compiled
-from app.engine.plugging import plugged
+from app.feature_search import find_features
 from app.worker_process import WorkerEndedError, WorkerProcess, cores
 from robot.compiled_code import HERE, CompileCache
 from robot.compiling import CACHE
@@ -122,11 +122,11 @@ class Compilation:
 
 
 def all_functions() -> tuple[Compiled, ...]:
-    """Return the core's functions and the features'.
+    """Return the core's functions and the features', also of those that are left out this time.
 
     Those of a feature that fails here are compiled when they are called, if ever.
     """
-    functions, _ = plugged().features.made(
+    functions, _ = find_features().made(
         lambda feature: [function for make in feature.compiled for function in make()]
     )
     return (*FUNCTIONS, *functions)

@@ -8,10 +8,11 @@ from collections.abc import Iterator
 from app.engine.robots import profile_file
 from app.features.build_hat import pi_check
 from app.features.build_hat.board_check import check_board, firmware_image
+from app.features.build_hat.machine import Machine
 from app.features.build_hat.robot import BUILD_HAT
 from app.features.build_hat.robot_check import check_camera, check_profile
 from app.settings.config import Config
-from app.tools.doctor.finding import Finding, Machine
+from app.tools.doctor.finding import Finding
 from robot.description.spec import RobotSpec
 
 

@@ -7,7 +7,8 @@ import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from app.tools.doctor.finding import PROBLEM, Finding, Machine, ok, problem, warning
+from app.features.build_hat.machine import Machine
+from app.tools.doctor.finding import PROBLEM, Finding, ok, problem, warning
 from robot.hat.serial_port import find_device
 from robot.hat.start.reset_line import ONE_WIRE_OFF, GpioResetLine, ResetError
 from robot.hat.wire.ports import other_ports, port_names

@@ -10,8 +10,9 @@ from pathlib import Path
 
 from app.tools.doctor.finding import Finding, ok, problem, sentence, warning
 from robot.camera import Lens
-from robot.cameras.camera import Camera, CameraSourceSettings, SourceError
+from robot.cameras.camera import Camera, SourceError
 from robot.cameras.choice import open_camera
+from robot.cameras.settings import CameraSourceSettings
 from robot.description.profile import load_profile
 from robot.description.spec import RobotSpec
 from robot.description.urdf import SpecError

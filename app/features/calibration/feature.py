@@ -5,8 +5,9 @@ from app.feature import Feature, Late
 FEATURE = Feature(
     name="calibration",
     about="measures the robot that was built by a drive, and its lens by a board",
+    lens_files=(Late("app.features.calibration.lens_file:read_lens"),),
     outlet=Late("app.features.calibration.outlet:CalibrationOutlet"),
-    companions=(Late("app.features.calibration.tracking:trackings"),),
+    companions=(Late("app.features.calibration.companions:trackings"),),
     commands=(Late("app.features.calibration.commands:COMMANDS"),),
     messages=(
         Late("app.features.calibration.messages:MESSAGES"),

@@ -9,12 +9,10 @@ import numpy as np
 
 from app.engine.controls import Controls
 from app.messages.commands import Command, SetCalibrationCommand, SetPoseCommand
-from app.settings.config import Config
 from robot.calibration.drift import DriftFinding
 from robot.calibration.tracker import CalibrationTracker, Update
-from robot.fields.field import Field
 from robot.geometry import Pose2
-from robot.interface import Reading, Robot
+from robot.interface import Reading
 from robot.localization.estimate import Alert, Cause, State
 
 PATIENCE_S = 0.5
@@ -27,13 +25,6 @@ CARRIED, CARRIED_TURN = 0.05, 0.5
 [rad/m]."""
 SOURCE = "driving, as it was tracked"
 KNOWN = (State.CERTAIN, State.APPROXIMATE)
-
-
-def trackings(config: Config, robot: Robot, field: Field) -> tuple[CalibrationTracking, ...]:
-    """Return what tracks the robot of a new engine; nothing if the settings do not want it."""
-    if not config.calibration.track:
-        return ()
-    return (CalibrationTracking(CalibrationTracker(robot.spec, field, config.scanner)),)
 
 
 class CalibrationTracking:

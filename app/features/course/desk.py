@@ -12,11 +12,11 @@ import anyio
 from anyio import to_thread
 from fastapi import WebSocket, WebSocketDisconnect
 
-from app.engine.own_models.watch import signature
 from app.features.course.grader.finding import LessonResult
 from app.features.course.grading import grade
 from app.features.course.lesson import lesson_of
 from app.features.course.source import read_source
+from app.features.own_models.watch import signature
 from app.languages.catalogue import Catalogue
 from app.page.language import language_of
 from robot.settings import SettingError

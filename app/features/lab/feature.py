@@ -1,10 +1,10 @@
-"""What the laboratory adds: commands that measure, fit, sweep and map."""
+"""What the laboratory adds: commands that measure, fit, sweep and map; generated fields."""
 
 from app.feature import Feature, Late, Subcommand
 
 FEATURE = Feature(
     name="lab",
-    about="evaluations, fits, sweeps, calibrations, maps and laser bags, as commands",
+    about="evaluations, fits, sweeps, calibrations, maps and laser bags; generated fields",
     subcommands=(
         Subcommand(
             "evaluate",
@@ -32,4 +32,5 @@ FEATURE = Feature(
             Late("app.features.lab.mapping.options:add_map_command"),
         ),
     ),
+    fields=(Late("app.features.lab.generated_fields:FIELDS"),),
 )

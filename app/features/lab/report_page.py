@@ -1,18 +1,26 @@
-"""Reports: figures for print and colour-blind people, and one page that opens anywhere."""
+"""Reports: figures for print and colour-blind people, and one page that opens anywhere.
+
+A report's template extends ``report_page.html.jinja``, which has the page around it and what it was
+made with, and writes its tables and figures by the macros of ``report_parts.html.jinja``.
+"""
 
 from __future__ import annotations
 
 import base64
 import io
 import math
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
+from functools import wraps
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, Concatenate, NamedTuple, ParamSpec
 
 import matplotlib as mpl
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+
+from robot.camera import Lens
+from robot.geometry import Array
 
 STYLE: Any = {
     "font.size": 9,
@@ -23,11 +31,15 @@ STYLE: Any = {
     "axes.titlesize": 9,
 }
 LAB = Path(__file__).parent
-ROOMS = ("evaluation", "evaluation/integrity", "model_fits", "calibrate", "mapping")
-FOLDERS = [LAB / room for room in ROOMS]
+ROOMS = ("", "evaluation", "evaluation/integrity", "model_fits", "calibrate", "mapping")
 """Folders that hold templates."""
 NOTHING = 1e-6
 """A smaller value, in millimetres or milliradians, is a rounding error."""
+OKABE_ITO = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
+"""Colours that colour-blind people can distinguish."""
+BLUE, RED, GREEN, PURPLE, ORANGE, SKY, BLACK = OKABE_ITO
+GREY = "#999999"
+Given = ParamSpec("Given")
 
 
 class LineStyle(NamedTuple):
@@ -38,40 +50,65 @@ class LineStyle(NamedTuple):
     dashes: str
     width: float
 
+    def draw(self, axes: Axes, way: Array) -> None:
+        """Draw a path (n, 2 or more) [m] from above."""
+        x, y = way[:, :2].T
+        axes.plot(x, y, self.dashes, color=self.colour, lw=self.width, label=self.label)
+
 
 STROKES = {
-    "truth": LineStyle("truth", "#000000", "-", 2.6),
-    "odometry": LineStyle("odometry", "#d55e00", "--", 1.2),
-    "amcl": LineStyle("AMCL", "#56b4e9", "-", 1.1),
+    "truth": LineStyle("truth", BLACK, "-", 2.6),
+    "odometry": LineStyle("odometry", RED, "--", 1.2),
+    "amcl": LineStyle("AMCL", SKY, "-", 1.1),
 }
-"""Colours of Okabe and Ito, which colour-blind people can distinguish."""
 
 
-@contextmanager
-def svg_figure(width: float, height: float, svgs: list[str]) -> Iterator[Figure]:
-    """Give a figure [inch] to draw on; its SVG is appended to ``svgs`` at the end."""
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(width, height), layout="constrained")
-        yield figure
-        text = io.StringIO()
-        figure.savefig(text, format="svg", metadata={"Date": None})
-    svgs.append(text.getvalue())
+def svg_figure(
+    width: float = 6.4, height: float = 4.8
+) -> Callable[[Callable[Concatenate[Figure, Given], None]], Callable[Given, str]]:
+    """Decorate a function that draws on a figure of a size [inch]: it then returns an SVG.
+
+    It may set another size.
+    """
+
+    def decorated(draw: Callable[Concatenate[Figure, Given], None]) -> Callable[Given, str]:
+        @wraps(draw)
+        def drawn(*args: Given.args, **kwargs: Given.kwargs) -> str:
+            with mpl.rc_context(STYLE):
+                figure = Figure(figsize=(width, height), layout="constrained")
+                draw(figure, *args, **kwargs)
+                text = io.StringIO()
+                figure.savefig(text, format="svg", metadata={"Date": None})
+            return text.getvalue()
+
+        return drawn
+
+    return decorated
+
+
+def picture_frame(figure: Figure, lens: Lens) -> Axes:
+    """Return axes over a camera's picture."""
+    axes = figure.add_subplot()
+    axes.set(xlim=(0, lens.width), ylim=(lens.height, 0), aspect="equal", xlabel="px")
+    axes.spines[["top", "right"]].set_visible(True)
+    return axes
 
 
 def page(template: str, **values: Any) -> str:
-    """Render the page of a template."""
+    """Render the page of a template; figures are given as SVG."""
     environment = Environment(
-        loader=FileSystemLoader(FOLDERS),
+        loader=FileSystemLoader([LAB / room for room in ROOMS]),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
     environment.filters |= {"mm": millimetres, "mrad": milliradians, "s": seconds, "share": share}
+    environment.filters["embedded"] = _embedded
     return environment.get_template(template).render(**values)
 
 
-def embedded(svg: str) -> str:
+def _embedded(svg: str) -> str:
     """Return an SVG as a data URL, so that its ids do not collide with those of another SVG."""
     return "data:image/svg+xml;base64," + base64.b64encode(svg.encode()).decode()
 

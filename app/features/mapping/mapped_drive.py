@@ -15,7 +15,7 @@ from app.features.calibration.followed_drive import give_way, start_of
 from app.worker_process import WorkerProcess
 from robot.calibration.drive_log import DriveLog, DriveRecorder
 from robot.description.spec import RobotSpec
-from robot.fields.grid_map import OccupancyGrid
+from robot.fields.occupancy_grid import OccupancyGrid
 from robot.geometry import Pose2, interpolate
 from robot.mapping.mapper import Mapper
 from robot.mapping.seen_floor import SeenFloor, occupancy

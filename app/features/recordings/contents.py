@@ -9,7 +9,7 @@ from pathlib import Path
 
 import yaml
 
-from app.engine.own_models.own_models import OwnChoice
+from app.engine.added_models import ModelChoice
 from app.engine.program import Program
 from app.features.recordings.attachments import (
     PROFILE,
@@ -56,7 +56,7 @@ def contents_of(program: Program) -> Contents:
         Attachment(SETTINGS, as_toml(config).encode()),
         *map_files,
         *(_replayed(program, "robot/") or _robot_files(spec)),
-        *_model_files(config, latest.filter.own if latest else program.given),
+        *_model_files(config, latest.filter.models if latest else program.given),
         Attachment(VERSIONS, json.dumps(known, indent=1).encode()),
     )
     return Contents(facts, attachments)
@@ -101,13 +101,13 @@ def _robot_files(spec: RobotSpec) -> Iterator[Attachment]:
         yield Attachment(f"robot/{lens}", (SPIKE.parent / lens).read_bytes())
 
 
-def _model_files(config: Config, own: OwnChoice) -> Iterator[Attachment]:
-    """The files of the models in use; ``own`` names them as ``my_model.py:MyModel``."""
+def _model_files(config: Config, choice: ModelChoice) -> Iterator[Attachment]:
+    """The user's files of the models in use, which are named ``my_model.py:MyModel``."""
     given = [
         Path(model_file.rpartition(":")[0])
         for model_file in (config.sensor_model, config.motion_model)
     ]
-    names = {each.rpartition(":")[0] for each in (own.sensor, own.motion) if each}
+    names = {each.rpartition(":")[0] for each in (choice.sensor, choice.motion) if ":" in each}
     for name in sorted(names):
         places = [item for item in given if item.name == name]
         path = places[0] if places else Path(config.models) / name

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from app.command_parser import NO_OPTIONS, CommandParser
 from app.interruption import interruptible
-from app.options import add_address, add_own_models
+from app.options import add_address
 from app.page.access_options import add_access
 from robot.settings import SettingError
 
@@ -83,7 +83,8 @@ def add_replay(command: CommandParser) -> None:
         help="settings over those of then: tables localization, scanner, odometry, drive, "
         "start_pose (docs/configuration.md)",
     )
-    add_own_models(command)
+    if command.features is not None:
+        command.features.add_run_options(command, replays=True)
     command.add_argument(
         "--map",
         metavar="NAME|FILE",

@@ -1,10 +1,10 @@
-"""What ROS adds: topics, services and parameters by rosbridge, Foxglove and DDS, and exports."""
+"""What ROS adds: topics, services and parameters by rosbridge, Foxglove, DDS; maps, exports."""
 
 from app.feature import Feature, Late, RunOptions, Subcommand
 
 FEATURE = Feature(
     name="ros",
-    about="the robot as ROS 2 sees it: rosbridge, Foxglove, DDS, and files for Nav2",
+    about="the robot as ROS 2 sees it: rosbridge, Foxglove, DDS, maps, and files for Nav2",
     subcommands=(
         Subcommand(
             "export",
@@ -19,4 +19,5 @@ FEATURE = Feature(
     ),
     guests=(Late("app.features.ros.guests:guests"),),
     outlet=Late("app.features.ros.outlet:RosOutlet"),
+    fields=(Late("app.features.ros.map_fields:FIELDS"),),
 )

@@ -32,7 +32,7 @@ def _filter_step(tick: TickContext[FilterStepCommand]) -> None:
             step, localization.newest, localization.parts, localization.unchanging
         )
         if step == "weigh":
-            localization.own.note_update()
+            localization.note_update()
             localization.belief = belief or localization.belief
 
 

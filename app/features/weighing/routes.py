@@ -6,12 +6,11 @@ import base64
 import math
 import threading
 import time
-from typing import Annotated
+from typing import Annotated, Protocol, runtime_checkable
 
 import numpy as np
 from fastapi import APIRouter, HTTPException, Query
 
-from app.engine.own_models.guards import OwnSensor
 from app.engine.program import Program
 from app.engine.snapshot import Snapshot
 from app.features.weighing.messages import (
@@ -27,6 +26,7 @@ from robot.fields.field import Field
 from robot.geometry import Array, Pose2
 from robot.localization.landscape import by_heading, landscape
 from robot.localization.weighing import Weighing
+from robot.scan import Scan
 
 LOWEST = math.log(1e-6)
 """Log of the smallest weight that a landscape tells from none."""
@@ -39,6 +39,24 @@ Coordinate = Annotated[float, Query(ge=-1e4, le=1e4, allow_inf_nan=False)]
 """[m] in the map."""
 Angle = Annotated[float, Query(ge=-1e3, le=1e3, allow_inf_nan=False)]
 NOTHING = refusal(503, "before the camera's first picture, or while others ask")
+
+
+@runtime_checkable
+class FallibleSensor(Protocol):
+    """A sensor model that can fail, as a feature's: it is asked here beside the engine."""
+
+    @property
+    def fault(self) -> str | None:
+        """What went wrong, for people; None while nothing did."""
+        ...
+
+    def log_likelihood(self, poses: Array, scan: Scan) -> Array:
+        """Return numbers of its shape, also once it has failed."""
+        ...
+
+    def apart(self) -> FallibleSensor:
+        """Return the same model with a fault of its own: a failure there stops no robot."""
+        ...
 
 
 def weighing_router(program: Program) -> APIRouter:
@@ -76,7 +94,7 @@ def _newest(program: Program) -> tuple[Snapshot, Weighing]:
     if latest is None or latest.filter.weighing is None:
         raise HTTPException(503, "The camera has sent no picture yet.")
     weighing = latest.filter.weighing.settled(latest.filter.cloud.poses)
-    if isinstance(weighing.model, OwnSensor):
+    if isinstance(weighing.model, FallibleSensor):
         weighing = weighing.asking(weighing.model.apart())
     return latest, weighing
 
@@ -84,8 +102,8 @@ def _newest(program: Program) -> tuple[Snapshot, Weighing]:
 def _require_sound(weighing: Weighing) -> None:
     """Refuse numbers of a user's own model that has just failed."""
     model = weighing.model
-    if isinstance(model, OwnSensor) and model.guard.fault is not None:
-        raise HTTPException(503, phrase(f"The sensor model failed: {model.guard.fault}"))
+    if isinstance(model, FallibleSensor) and model.fault is not None:
+        raise HTTPException(503, phrase(f"The sensor model failed: {model.fault}"))
 
 
 def pose_fits(
@@ -188,7 +206,7 @@ def headings_message(
 
 
 def _model_name(snapshot: Snapshot) -> str:
-    return snapshot.filter.own.sensor or snapshot.filter.parameters.sensor.laser_model_type
+    return snapshot.filter.models.sensor or snapshot.filter.parameters.sensor.laser_model_type
 
 
 def _numbers(values: Array) -> list[float | None]:

@@ -6,7 +6,7 @@ replaced: that costs the server a millisecond, whatever the number of viewers.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, Protocol
 
 import cv2
@@ -63,9 +63,10 @@ class Scene:
         field: Field,
         spec: RobotSpec,
         layers: Iterable[NewViewLayer],
+        paths: Mapping[str, Path],
     ) -> None:
         self._server = server
-        self._paths = {"truth": Path(), "odometry": Path(), "estimate": Path()}
+        self._paths = paths
         self._ticks = 0
         self._layers: frozenset[str] | None = None
         self._shown: LineScan | None = None
@@ -93,18 +94,11 @@ class Scene:
         self._show_outline()
         self._added = [make(scene) for make in layers]
 
-    def remember(self, snapshot: Snapshot) -> None:
-        """Keep what paths show later of a snapshot that nobody looks at."""
-        self._paths["truth"].add(snapshot.truth)
-        self._paths["odometry"].add(snapshot.odometry)
-        self._paths["estimate"].add(snapshot.pose)
-
     def update(self, snapshot: Snapshot) -> None:
         """Show a snapshot."""
         self._ticks += 1
         if snapshot.spec is not self._spec:
             self._change_robot(snapshot.spec)
-        self.remember(snapshot)
         with self._server.atomic():
             self._show_layers(snapshot)
             self._show_robot(snapshot)

@@ -5,7 +5,9 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import io
+import threading
 from collections.abc import Iterable
+from functools import partial
 from pathlib import Path
 
 import anyio
@@ -20,6 +22,7 @@ from app.engine.mailboxes.latest import Latest
 from app.engine.problems import LOG
 from app.engine.snapshot import Snapshot
 from app.page.view.cameras import Cameras
+from app.page.view.paths import Path as Walked
 from app.page.view.scene import NewViewLayer, Scene
 from app.page.view.viewers import Viewers, without_port
 from robot.description.spec import RobotSpec
@@ -60,13 +63,24 @@ class View:
             self._server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
         # viser's share button would make this server call one on the internet.
         self._server._websock_server.unregister_handler(viser._messages.ShareUrlRequest)
-        self._scene = Scene(self._server, field, spec, layers)
+        self._paths = {"truth": Walked(), "odometry": Walked(), "estimate": Walked()}
+        self._new_scene = partial(Scene, self._server, field, spec, layers, self._paths)
+        self._made: Scene | None = None
+        self._making = threading.Lock()
         self.cameras = Cameras(self._server, field.floor.extent)
         self._latest = latest
         self.failure: str | None = None
         """Why the view stopped, if it failed."""
         self._page = _page()
         self._tag = f'"{hashlib.sha256(self._page).hexdigest()[:16]}"'
+
+    @property
+    def _scene(self) -> Scene:
+        """The scene, made for the first who looks: most of what the view costs."""
+        with self._making:
+            if self._made is None:
+                self._made = self._new_scene()
+            return self._made
 
     def page(self, request: Request) -> Response:
         """Return viser's page, or status 304 to a browser that has it."""
@@ -88,14 +102,21 @@ class View:
             self.failure = f"The 3D view stopped: {error}"
 
     def _show(self, snapshot: Snapshot) -> None:
-        if not self._viewers.present:
-            self._scene.remember(snapshot)
-            return
-        self._scene.update(snapshot)
-        self.cameras.follow(snapshot.truth or snapshot.pose or snapshot.odometry)
+        self._remember(snapshot)
+        if self._viewers.present:
+            self._scene.update(snapshot)
+            self.cameras.follow(snapshot.truth or snapshot.pose or snapshot.odometry)
+
+    def _remember(self, snapshot: Snapshot) -> None:
+        """Keep what paths show later, also of a snapshot that nobody looks at."""
+        self._paths["truth"].add(snapshot.truth)
+        self._paths["odometry"].add(snapshot.odometry)
+        self._paths["estimate"].add(snapshot.pose)
 
     async def serve(self, socket: WebSocket) -> None:
         """Let viser serve one viewer, until one side ends."""
+        # viser shows its own light and no floor until there is a scene.
+        await anyio.to_thread.run_sync(lambda: self._scene)
         await self._viewers.serve(socket)
 
     def close(self) -> None:

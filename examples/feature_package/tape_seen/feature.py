@@ -21,6 +21,7 @@ FEATURE = Feature(
     routers=(Late("tape_seen.routes:tape_router"),),
     messages=(Late("tape_seen.routes:MESSAGES"),),
     robots=(Late("tape_seen.robot:robots"),),
+    models=(Late("tape_seen.models:models"),),
     topics=(Late("tape_seen.topic:topics"),),
     panels=(Panel("tape-rays", "Tape", HERE / "page" / "tape_panel.js"),),
     documents=(HERE / "tape_seen.md",),

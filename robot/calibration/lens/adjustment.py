@@ -68,7 +68,7 @@ def first_fit(model: str, seen: Sequence[Sighting], board: Board) -> LensFit:
     for share in FOCALS:
         focal = share * width
         matrix = np.array([[focal, 0, (width - 1) / 2], [0, focal, (height - 1) / 2], [0, 0, 1]])
-        start = Lens(width, height, matrix, np.zeros(COEFFICIENTS[model]), model=model)
+        start = Lens(width, height, matrix, np.zeros(len(COEFFICIENTS[model])), model=model)
         try:
             fits.append(fit_lens(start, seen, board))
         except (CameraError, np.linalg.LinAlgError, cv2.error):

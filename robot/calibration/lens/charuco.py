@@ -75,7 +75,7 @@ def _why_no_markers(picture: Grey, board: Board, seen: tuple[object, object], hu
     if hurried:
         pass  # other boards take long to be searched for
     elif _count(marker_ids) < LEAST_CORNERS:
-        hint = _other_markers(picture, board, _count(marker_ids)) or hint
+        hint = _other_markers(picture, _count(marker_ids)) or hint
     elif board.rows != board.columns and _is_board(
         picture, replace(board, columns=board.rows, rows=board.columns)
     ):
@@ -93,7 +93,7 @@ def _is_board(picture: Grey, board: Board) -> bool:
     )
 
 
-def _other_markers(picture: Grey, board: Board, read: int) -> str | None:
+def _other_markers(picture: Grey, read: int) -> str | None:
     """Return a hint if a picture shows markers of another dictionary."""
     for name in LARGEST_DICTIONARIES:
         _, ids, _ = cv2.aruco.ArucoDetector(dictionary_of(name)).detectMarkers(picture)

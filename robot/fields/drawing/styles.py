@@ -38,7 +38,6 @@ _TRANSFORMS = (
     "up to 100 of matrix(a b c d e f), translate(x y), scale(x y), rotate(degrees), skewX(degrees)"
 )
 _CSS_TRANSFORMS = "up to 100 of translate(1px, 2px), rotate(3deg), scale(1, 2)"
-BACKGROUND = frozenset(["background", "background-color"])
 _VARIABLE = re.compile(r"var\(\s*(--[^\s,()]+)\s*(?:,([^()]*))?\)")
 
 

@@ -12,7 +12,8 @@ from robot.localization.hypotheses.track import Track
 from robot.localization.parameters import HypothesisParameters
 
 EQUAL = -3.0
-"""Log-weight relative to the heaviest place from which on the images of a place are followed."""
+"""Log-weight relative to the heaviest place from which on the images of a place are followed.
+Half: certain in 31.9 % of pictures instead of 30.5; twice: 30.0; misleading as often."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -11,10 +11,12 @@ from robot.localization.parameters import HypothesisParameters
 from robot.localization.ray_evidence import RayEvidence
 
 FRESH = -2.5
-"""Log-weight of being elsewhere when places are found for the first time."""
+"""Log-weight of being elsewhere when places are found for the first time. Half: false alarms
+in 1.8 % of pictures instead of 0.2; twice: 5 of 30 places not found instead of 3, by chance 4."""
 
 SUSPECTED = 2 / 3
-"""A kidnapping is suspected if its log-weight rises above this share of ``log_kidnapped``."""
+"""A kidnapping is suspected if its log-weight rises above this share of ``log_kidnapped``. With 1/3
+and 1 nothing changes beyond chance."""
 
 
 class Kidnapping:

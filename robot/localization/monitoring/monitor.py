@@ -3,6 +3,8 @@
 Steady errors show in the scans. Significant ones are corrected: the tilt of the camera, the size of
 the wheels, the lateness of pictures. The monitor names the likeliest reason for doubt, and says how
 far the pose may still be off.
+
+What half and twice of a constant change is said as ``python -m benchmarks.constants`` found it.
 """
 
 from __future__ import annotations
@@ -17,46 +19,49 @@ from robot.localization.estimate import ONLY_PLACE, Cause, Hypothesis
 from robot.localization.monitoring.causes import Causes, Findings
 from robot.localization.monitoring.doubt import NO_DOUBT, Doubt
 from robot.localization.monitoring.fit_check import FitCheck
-from robot.localization.monitoring.mounting_check import LASER, CameraPosition, MountingCheck
+from robot.localization.monitoring.mounting_check import HELD, LASER, CameraPosition, MountingCheck
 from robot.localization.monitoring.odometry_check import OdometryCheck, OdometryErrors
-from robot.localization.monitoring.scan_residuals import residual_sums
+from robot.localization.monitoring.scan_residuals import GATE, residual_sums
 from robot.localization.monitoring.steady_errors import SteadyErrors, pose_errors
 from robot.localization.ray_evidence import RayEvidence
-from robot.localization.scan_matching import ScanMatcher
+from robot.localization.scan_matching import SLOPE, ScanMatcher
 from robot.scan import Scan, rays_of
 
 BEAMS = 91
 """Rays of a scan that are checked."""
-LAID_SD, LAID_SLOPE, LAID_GATE = 0.0003, 25.0, 0.03
-"""Spread of a near range [m], its growth [1/m²], and the gate [m] with which a scan is laid on the
-edges before it is checked."""
-LOOSE = np.diag(1 / np.square([0.03, 0.03, 0.1]))
-"""Information by which the estimate then holds the pose: little [1/m², 1/m², 1/rad²]."""
+LAID_SD = 0.0003
+"""Spread of a near range with which a scan is laid on the edges before it is checked [m]."""
 EXPLAINED = 0.6
 """The only place must explain more than this share of the returns, for errors of the robot to be
-learnt there."""
+learnt there. With 0.3 or 0.8 nothing changes beyond chance."""
 TORN = 2.5
-"""Wheels slip, or the robot was carried off, if steps differ from odometry by more spreads."""
+"""Wheels slip, or the robot was carried off, if steps differ from odometry by more spreads. Of
+pictures 30.5 % are certain and 0.7 % misleading; half: 29.8 and 0.6; twice: 33.5 and 0.8."""
 JUMP, JUMP_TURN = 0.04, 0.2
-"""A pose farther than this from the one that odometry predicts is another place [m], [rad]."""
+"""A pose farther than this from the one that odometry predicts is another place [m], [rad]. Half
+and twice the distance: nothing changes beyond chance."""
 LOOSEST = 4.0
-"""Largest factor on odometry's standard deviations."""
+"""Largest factor on odometry's standard deviations. Half: 99 % of the errors within 42 instead of
+46 mm, and the rest, as with twice, unchanged beyond chance."""
 USUAL = 1.5
-"""Steps that differ from odometry by no more than this many spreads are usual."""
+"""Steps that differ from odometry by no more than this many spreads are usual. Half: misleading in
+1.0 % of pictures instead of 0.7; twice: nothing changes beyond chance."""
 SEEING, BLIND_AFTER, BLIND = 6, 0.3, 2.5
 """If fewer than SEEING rays lie on edges for longer than BLIND_AFTER [s], steps add up unseen. Then
 they err BLIND times as much as each step alone, because slip lasts for about a second, and wheels
-are never exactly as drawn."""
+are never exactly as drawn. Half and twice of BLIND: nothing changes beyond chance."""
 DOUBT_KEPT = 5.0
-"""Time after an alert for which the pose may still be off [s]."""
+"""Time after an alert for which the pose may still be off [s]. Half and twice: no claim changes."""
 SCALE_SD, SCALE_DOUBTED = 0.008, 0.015
 """Standard deviation of the scale of a map that is not doubted, and of one that is."""
 SAME_TILT = math.radians(0.03)
 """Tilts that differ by less [rad] shift a pose by less than scans do."""
 LEAST_LATE = 0.001
-"""A smaller lateness is not corrected [s]."""
+"""A smaller lateness is not corrected [s]. Half and twice: the median error is the same."""
 LATE_SURE, LATE_BLEND = 3.0, 0.1
-"""Lateness is corrected above this many standard deviations, by this share of a change per scan."""
+"""Lateness is corrected above this many standard deviations, by this share of a change per scan.
+Half of LATE_SURE: the median error is 1.8 mm instead of 1.4; twice: 1.5. Half and twice of
+LATE_BLEND: 1.5 and 1.4."""
 
 
 class Monitor:
@@ -112,9 +117,7 @@ class Monitor:
     def use(self, evidence: RayEvidence) -> None:
         """Switch to the evidence of other parameters."""
         self._evidence = evidence
-        self._matcher = ScanMatcher(
-            evidence.edge_index, evidence.range_max, LAID_SD, LAID_GATE, LAID_SLOPE
-        )
+        self._matcher = ScanMatcher(evidence.edge_index, evidence.range_max, LAID_SD, GATE, SLOPE)
 
     def compensate_lateness(self, hypothesis: Hypothesis) -> Hypothesis:
         """Return the hypothesis at the scan's stamp, if its picture was taken earlier."""
@@ -161,7 +164,7 @@ class Monitor:
             self._causes.forget()
         # On bent tape, the residuals of a pose that is centimetres off would look like a tilt.
         pitch, roll = self._camera.applied.tolist()
-        laid = self._matcher.match(hypothesis.pose, rays, LOOSE).pose
+        laid = self._matcher.match(hypothesis.pose, rays, HELD).pose
         sums, used, returned = residual_sums(
             laid.to_array(),
             rays,

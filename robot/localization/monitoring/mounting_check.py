@@ -15,7 +15,7 @@ from robot.camera import FloorView
 from robot.compiling import compiled
 from robot.covariance import inverse
 from robot.geometry import Array
-from robot.localization.monitoring.steady_errors import SteadyErrors
+from robot.localization.monitoring.steady_errors import MEMORY, SteadyErrors
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,8 +54,6 @@ LASER = CameraPosition(0.0, math.inf)
 """A laser measures ranges directly, and not by points that it sees on the floor."""
 
 
-MEMORY = 20.0
-"""Scans older than this hardly count [s]."""
 RAYS_WORTH = 0.1
 """Weight of one ray: the errors of neighbouring rays, and of successive scans, are correlated."""
 EXACT, INEXACT, ADAPTED = 0.15, 4.0, 0.1

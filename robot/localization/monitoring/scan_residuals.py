@@ -19,17 +19,15 @@ from robot.compiling import compiled
 from robot.fields.edge_index import EdgeIndex
 from robot.fields.ray_casting import cast_toward, tangent_at
 from robot.geometry import Array
+from robot.localization.scan_matching import SLOPE, TAIL
 
 COLUMNS = 7
 """Columns of a ray's row: the distance's derivatives by x, y, theta, pitch, roll and scale; then
 the distance itself."""
 GATE = 0.03
 """Ends that are farther off an edge than this belong to another edge [m]."""
-SPREAD, SLOPE = 0.0001, 25.0
-"""Spread of an end's distance from its edge where the floor is near [m], and its growth with the
-square of the range [1/m²]."""
-TAIL = 9.0
-"""Squared distance, in spreads, at which an end counts half."""
+SPREAD = 0.0001
+"""Spread of an end's distance from its edge where the floor is near [m]."""
 
 
 @compiled()

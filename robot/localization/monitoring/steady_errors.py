@@ -12,6 +12,8 @@ from robot.covariance import outer
 from robot.description.spec import RobotSpec
 from robot.geometry import Array
 
+MEMORY = 20.0
+"""Scans and steps older than this hardly count for steady errors [s]."""
 UNCALIBRATED = np.array([0.015, 0.03, 0.5, 0.04, 0.002, 0.002, 0.008])
 """Of wheels, clock and place of the camera, in the order of ``odometry_check.ERRORS`` [s, -, rad/m,
 -, m, m, rad]."""

@@ -10,11 +10,11 @@ import numpy as np
 from robot.compiling import compiled
 from robot.covariance import inverse
 from robot.geometry import Array
+from robot.localization.monitoring.steady_errors import MEMORY
+from robot.localization.scan_matching import TAIL
 
-MEMORY = 20.0
-"""Steps older than this hardly count for steady errors [s]."""
 RECENT = 3.0
-"""The same for the unexplained rest [s]."""
+"""Steps older than this hardly count for the unexplained rest [s]."""
 CORRELATION = 5.0
 """This many steps at the same speed are worth one, because slip lasts for about a second."""
 TELLING, CHANGE_V, CHANGE_OMEGA = 2.0, 0.05, 0.4
@@ -24,7 +24,6 @@ MOST = 100.0
 """Largest square that a step counts for, in its spreads."""
 MOST_WIGGLE = np.square([0.05, 0.05, 0.2])
 SMALL = 1e-4
-TAIL = 9.0
 
 
 class StepSums(NamedTuple):

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from robot.fields.grid_map import OccupancyGrid
+from robot.fields.occupancy_grid import OccupancyGrid
 from robot.geometry import Array, Pose2
 from robot.localization.models.motion_models import MotionModel
 from robot.localization.models.odometry_motion import DifferentialMotion

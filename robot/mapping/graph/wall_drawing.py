@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from robot.fields.grid_map import UNKNOWN, OccupancyGrid
+from robot.fields.occupancy_grid import UNKNOWN, OccupancyGrid
 from robot.geometry import Array, Pose2
 from robot.mapping.grid.beams import Beams
 from robot.mapping.grid.cells import Grids, updated_occupancy_grid

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from robot.fields.grid_map import OccupancyGrid
+from robot.fields.occupancy_grid import OccupancyGrid
 from robot.geometry import Array, Pose2
 from robot.mapping.grid.beams import Beams
 

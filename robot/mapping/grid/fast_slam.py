@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from robot.fields.grid_map import UNKNOWN, OccupancyGrid
+from robot.fields.occupancy_grid import UNKNOWN, OccupancyGrid
 from robot.geometry import Array, Pose2
 from robot.localization.models.motion_models import MotionModel
 from robot.localization.models.odometry_motion import DifferentialMotion

@@ -28,20 +28,20 @@ def drive():
     return program, frames
 
 
-def localization_of(program, kind, own=None):
+def localization_of(program, kind, added=()):
     parameters = changed(LocalizationParameters(), {"filter": kind})
     return Localization(
         program.engine.localization.scanner,
         program.field,
         parameters,
         np.random.default_rng(3),
-        own=own,
+        added=added,
         entries=program.engine.localization.models.entries,
     )
 
 
 def keeper_of(program, localization):
-    return CheckpointWriter([program.field, program.field.edges, localization.own])
+    return CheckpointWriter([program.field, program.field.edges, *localization.added])
 
 
 def answers(localization, frames):
@@ -110,7 +110,7 @@ def test_what_never_changes_is_not_copied(drive):
     assert restored._field is program.field
     assert restored.scanner is straight.scanner
     assert restored.models.entries is straight.models.entries
-    assert restored.own is straight.own
+    assert restored.added == straight.added
     mine, other = straight.localizer.filter, restored.localizer.filter
     assert mine.setup.matcher is other.setup.matcher
     assert mine.setup.sensor is other.setup.sensor

@@ -10,8 +10,8 @@ from app.engine.build import build_program
 from app.messages.driving_commands import DriveCommand
 from app.settings.config import Config
 from benchmarks.hat.bricks import Bricks
-from robot.cameras.camera import CameraSourceSettings
 from robot.cameras.choice import open_camera
+from robot.cameras.settings import CameraSourceSettings
 
 pytestmark = pytest.mark.slow
 

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from app.engine.own_models.own_models import OwnChoice
+from app.engine.added_models import ModelChoice
 from app.engine.parameter_changes import changed, with_values_and_models
 from robot.localization.parameters import LocalizationParameters
 from robot.settings import SettingError
@@ -49,8 +49,21 @@ def test_a_wrong_name_or_value_is_refused_by_its_name(values, message):
         changed(DEFAULT, values)
 
 
+def test_built_in_models_are_parameters_and_take_the_place_of_others():
+    current = ModelChoice("mine.py:Flat", "", ("mine.py:Flat",))
+    values = {"laser_model_type": "beam", "sigma_hit": 0.1}
+    result, choice = with_values_and_models(DEFAULT, current, values)
+    assert choice == ModelChoice("", "", ("mine.py:Flat",))
+    assert (result.sensor.laser_model_type, result.sensor.sigma_hit) == ("beam", 0.1)
+    assert with_values_and_models(DEFAULT, current, {"sigma_hit": 0.1})[1] == current
+    with pytest.raises(SettingError, match="laser_model_type is 'best'; valid are"):
+        with_values_and_models(DEFAULT, current, {"laser_model_type": "best"})
+    with pytest.raises(SettingError, match=r"no model gone\.py:X; of your own .* mine\.py:Flat"):
+        with_values_and_models(DEFAULT, current, {"laser_model_type": "gone.py:X"})
+
+
 def test_a_model_of_the_users_own_is_a_choice_and_no_parameter():
-    offer = OwnChoice(sensors=("mine.py:Mine",))
+    offer = ModelChoice(sensors=("mine.py:Mine",))
     values = {"laser_model_type": "mine.py:Mine", "max_particles": 700}
     result, choice = with_values_and_models(DEFAULT, offer, values)
     assert choice.sensor == "mine.py:Mine"

@@ -1,14 +1,16 @@
 """Commands and values of features: in the engine's tables, or named as what is wrong."""
 
 import re
+from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 import pytest
-from engine_runs import kinematic, run
+from engine_runs import EIGHT, kinematic, run
 from places import ROOT
 from pydantic import create_model
 
+from app.engine.added_models import AddedModels, ModelChoice
 from app.engine.build import build_on_field, build_program
 from app.engine.command_row import CommandRow
 from app.engine.commands import parse, row_of, table
@@ -18,16 +20,22 @@ from app.engine.simulated_robots import build_kinematic
 from app.engine.value import Value
 from app.engine.values import values
 from app.feature import Feature
-from app.feature_search import Features
+from app.feature_search import FeatureError, Features, find_features
 from app.messages.commands import AckMessage, PlaceCommand
 from app.messages.message import CommandMessage, Message
 from app.messages.schema import schema
 from app.messages.telemetry import PoseMessage
 from app.page.docs_page import docs_page
 from app.settings.config import MAPS, Config
+from app.settings.field_names import field_named, listed_fields
 from app.tools.typescript import render
+from robot.description.lens_file import read_lens
+from robot.description.spec import SPIKE, RobotSpec, SpecError
 from robot.errors import CommandError
+from robot.fields.field import FieldError
 from robot.fields.field_loading import load_field
+from robot.hooks import FieldSource
+from robot.lens_files.writing import FORMATS
 from robot.localization.filter_kinds import FilterKind
 from robot.localization.kalman_filter import KalmanFilter
 from robot.localization.parameters import FilterParameters, LocalizationParameters
@@ -107,6 +115,48 @@ def test_a_value_of_a_feature_is_shown_last():
     assert [value.name for value in values()][-1] == "lamps"
 
 
+class Lamps(AddedModels):
+    """Offers sensor models by these names."""
+
+    def __init__(self, *names):
+        super().__init__()
+        self._choice = ModelChoice(sensors=names)
+
+    @property
+    def choice(self):
+        return self._choice
+
+
+@pytest.mark.parametrize(
+    ("made", "words"),
+    [
+        (lambda: [Lamps("beam")], "ValueError: there is a model 'beam' already"),
+        (lambda: [Lamps("differential")], "ValueError: there is a model 'differential' already"),
+        (lambda: ["beam"], "AttributeError: 'str' object has no attribute 'choice'"),
+        (lambda: 1 / 0, "ZeroDivisionError"),
+    ],
+)
+def test_models_that_cannot_be_had_are_named_and_the_robot_drives(made, words):
+    plug_in(lamps(models=(lambda config, field: made(),)))
+    program = kinematic()
+    shown = run(program, 0.3, EIGHT)[-1]
+    (problem,) = shown.problems.present
+    assert problem.startswith(f"The feature lamps cannot be used: {words}")
+    assert (shown.filter.models, shown.mode) == (ModelChoice(), "figure_eight")
+
+
+def test_models_of_several_features_are_one_list():
+    plug_in(lamps(models=(lambda config, field: [Lamps("bright"), Lamps("dim")],)))
+    assert kinematic().given == ModelChoice(sensors=("bright", "dim"))
+
+
+def test_without_features_there_are_our_models_alone():
+    plug_in(Features())
+    program = kinematic(sensor_model="gone.py:Gone")
+    assert program.given == ModelChoice()
+    assert run(program, 0.3)[-1].filter.fault is None
+
+
 @pytest.mark.parametrize(
     ("hooks", "words"),
     [
@@ -123,6 +173,7 @@ def test_a_value_of_a_feature_is_shown_last():
             "a message PlaceCommand already",
         ),
         ({"messages": (lambda: ["lamp"],)}, "valid is a class of messages"),
+        ({"fields": (lambda: ["square"],)}, "valid is a FieldSource"),
         ({"filters": (lambda: ["mine"],)}, "valid is a FilterKind"),
         ({"filters": (lambda: [FilterKind("grid", "m:f")],)}, "a filter 'grid' already"),
         ({"filters": (lambda: [FilterKind("kalman", "m:f")],)}, "a filter 'kalman' already"),
@@ -139,6 +190,44 @@ def test_what_cannot_be_used_is_named_and_changes_nothing(hooks, words):
     assert words in failure
     assert "--without lamps" in failure
     assert (table(), values()) == (before, shown)
+
+
+def test_fields_and_lenses_of_a_feature_are_found_and_its_mistakes_name_it(tmp_path):
+    made = load_field("square", MAPS)
+    hooks = {
+        "fields": (
+            lambda: [FieldSource("moon", "moon".__eq__, lambda _: made, ("moon",))],
+            lambda: [FieldSource(".tape", lambda name: name.endswith(".tape"), abs, files=True)],
+        ),
+        "lens_files": (lambda path: 1 / 0,),
+    }
+    assert plug_in(lamps(**hooks)).failures == ()
+    assert load_field("moon", Path("nowhere")) is made
+    assert "moon" in listed_fields(tmp_path)
+    assert field_named("moon", tmp_path) == "moon"
+    with pytest.raises(FieldError, match=r"moon, or an \.svg or .*\.tape file"):
+        load_field("sun", MAPS)
+    with pytest.raises(CommandError, match="there is no field"):
+        field_named("own.tape", tmp_path)
+    with pytest.raises(FeatureError, match="The feature lamps cannot be used: TypeError"):
+        load_field("own.tape", MAPS)
+    (tmp_path / "lens.yaml").write_text("nothing: known")
+    with pytest.raises(FeatureError, match="The feature lamps cannot be used: ZeroDivisionError"):
+        read_lens(tmp_path / "lens.yaml")
+
+
+def test_without_calibration_a_foreign_lens_beside_a_description_is_refused_by_name(tmp_path):
+    lens = RobotSpec.load().lens
+    urdf = SPIKE.read_text("utf-8").replace(">pi_camera.yaml<", ">lens.yaml<")
+    (tmp_path / "robot.urdf").write_text(urdf, "utf-8")
+    (tmp_path / "lens.yaml").write_text(FORMATS["opencv"].write(lens))
+    plug_in(find_features())
+    read = RobotSpec.load(tmp_path / "robot.urdf").lens
+    np.testing.assert_array_equal(read.matrix, lens.matrix)
+    np.testing.assert_array_equal(read.distortion, lens.distortion)
+    plug_in(find_features(["calibration"]))
+    with pytest.raises(SpecError, match=r"lens\.yaml: .*camera_info.*; without calibration$"):
+        RobotSpec.load(tmp_path / "robot.urdf")
 
 
 def test_the_companion_of_the_document_counts_pictures_without_tape():

@@ -25,6 +25,7 @@ from app.feature_search import FeatureError, Features, find_features
 from app.options import config_from
 from app.settings.config import Config, with_settings
 from app.tools.doctor.command import check_features
+from robot.hooks import FieldSource
 from robot.localization.filter_kinds import OURS as FILTERS
 from robot.settings import SettingError
 
@@ -38,11 +39,12 @@ NAMES = [
     "grid_filter",
     "lab",
     "mapping",
+    "own_models",
     "recordings",
     "ros",
     "weighing",
 ]
-CORE = 313, 36_150
+CORE = 286, 33_270
 """Most modules and lines that the robot needs without features; fewer are better."""
 BY_NAME = (
     *plugging.ROOMS_WITH_COMMANDS,
@@ -65,7 +67,10 @@ LATE = {
         *feature.filters,
         *feature.compiled,
         *feature.companions,
+        *feature.models,
         *feature.checks,
+        *feature.lens_files,
+        *feature.fields,
         *(late for each in feature.run_options for late in (each.add, each.apply)),
         feature.outlet,
     )
@@ -250,6 +255,16 @@ def test_a_command_of_a_feature_that_is_left_out_is_none_and_the_error_says_why(
     assert told.endswith("; without lab\n")
 
 
+@pytest.mark.parametrize("command", ["export", "run"])
+def test_a_field_of_a_feature_that_is_left_out_is_none_for_every_command(command, tmp_path):
+    words = ["ros2", str(tmp_path / "out")] if command == "export" else ["--port", "0"]
+    done = brickpose(command, *words, "--map", "generated-17", "--without", "lab")
+    assert done.returncode == 2
+    assert "there is no field 'generated-17'; valid are " in done.stderr
+    assert done.stderr.endswith("; without lab\n")
+    assert not (tmp_path / "out").exists()
+
+
 def test_a_file_of_settings_leaves_features_out(tmp_path, capsys):
     file = tmp_path / "small.toml"
     file.write_text('[features]\nwithout = ["course"]\n')
@@ -329,7 +344,7 @@ def test_help_imports_nothing_that_a_command_needs():
             assert subcommand.name in done.stdout
 
 
-@pytest.mark.parametrize("record", [Feature, Guest, Panel, RunOptions, Subcommand])
+@pytest.mark.parametrize("record", [Feature, FieldSource, Guest, Panel, RunOptions, Subcommand])
 def test_every_hook_is_documented(record):
     document = (ROOT / "docs" / "extending.md").read_text(encoding="utf-8")
     for field in dataclasses.fields(record):
@@ -342,6 +357,17 @@ def test_an_option_of_a_feature_that_is_left_out_is_refused(capsys):
     assert left.value.code == 2
     assert "unrecognized arguments: --record here; without recordings" in capsys.readouterr().err
     assert config_from(parse(["run", "--record", "here"])).recording.folder == "here"
+
+
+@pytest.mark.parametrize("words", [("run",), ("replay", "drive")])
+def test_without_own_models_there_are_no_options_for_them(words, capsys):
+    given = ("--sensor-model", "mine.py:Mine", "--models", "mine")
+    parsed = parse([*words, *given])
+    assert (parsed.sensor_model, parsed.models) == ("mine.py:Mine", "mine")
+    assert config_from(parsed).sensor_model == "mine.py:Mine"
+    with pytest.raises(SystemExit):
+        parse([*words, *given, "--without", "own_models"])
+    assert "unrecognized arguments: --sensor-model" in capsys.readouterr().err
 
 
 def test_options_of_a_feature_that_fail_name_it():

@@ -7,8 +7,9 @@ import pytest
 from camera_sources import Emulator, lens, until
 
 from robot.cameras import choice
-from robot.cameras.camera import CameraSourceSettings, PictureError
+from robot.cameras.camera import PictureError
 from robot.cameras.choice import AutoCamera, open_camera
+from robot.cameras.settings import CameraSourceSettings
 from robot.interface import Frame
 
 LENS = lens()

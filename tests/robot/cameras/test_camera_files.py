@@ -7,9 +7,9 @@ from camera_sources import Folder, Video, grey, lens, picture
 from hypothesis import given
 from hypothesis import strategies as st
 
-from robot.cameras.camera import CameraSourceSettings
 from robot.cameras.choice import open_camera
 from robot.cameras.files import FileCamera
+from robot.cameras.settings import CameraSourceSettings
 
 LENS = lens()
 RATE = 25.0

@@ -8,7 +8,8 @@ from camera_sources import Emulator, Folder, Video, grey, until
 from fake_picamera2 import PiRibbon
 from fake_v4l2 import Webcam
 
-from robot.cameras.camera import Camera, CameraSourceSettings
+from robot.cameras.camera import Camera
+from robot.cameras.settings import CameraSourceSettings
 from robot.settings import SettingError
 
 KINDS = {

@@ -9,14 +9,9 @@ from fake_picamera2 import IMX219_MODES, WHOLE, PiRibbon, mode
 from hypothesis import given
 from hypothesis import strategies as st
 
-from robot.cameras.camera import (
-    CameraSourceSettings,
-    PictureError,
-    middle_of_exposure,
-    on_monotonic,
-    suspend_time,
-)
+from robot.cameras.camera import PictureError, middle_of_exposure, on_monotonic, suspend_time
 from robot.cameras.pi_camera import PiCamera
+from robot.cameras.settings import CameraSourceSettings
 
 NOW = AtRest.NOW
 

@@ -7,7 +7,8 @@ import pytest
 from camera_sources import READOUT, AtRest, lens, picture
 from fake_v4l2 import Webcam
 
-from robot.cameras.camera import CameraSourceSettings, PictureError
+from robot.cameras.camera import PictureError
+from robot.cameras.settings import CameraSourceSettings
 from robot.cameras.v4l2 import V4l2Device, video_nodes
 
 NOW = AtRest.NOW

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 import yaml
 
-from robot.fields.grid_map import MapError, load_map_yaml
+from robot.fields.grid_map import load_map_yaml
+from robot.fields.occupancy_grid import MapError
 
 KEYS = {
     "image": "map.pgm",

@@ -8,9 +8,10 @@ from places import MAPS
 
 from robot.fields.edges import outline
 from robot.fields.field import Field, FieldError
-from robot.fields.field_loading import field_from_grid, load_field
+from robot.fields.field_loading import load_field
 from robot.fields.floor_picture import Layer, paint
-from robot.fields.grid_map import OccupancyGrid
+from robot.fields.grid_field import field_from_grid
+from robot.fields.occupancy_grid import OccupancyGrid
 from robot.geometry import Pose2
 from robot.scanning.tape import Tape
 

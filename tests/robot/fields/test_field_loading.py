@@ -6,7 +6,8 @@ from places import MAPS
 
 from robot.fields.field import FieldError
 from robot.fields.field_loading import field_names, load_field
-from robot.fields.grid_map import OccupancyGrid, save_map_yaml
+from robot.fields.grid_map import save_map_yaml
+from robot.fields.occupancy_grid import OccupancyGrid
 from robot.geometry import Pose2
 
 

@@ -13,8 +13,9 @@ from places import SHARED
 
 from robot.fields.edges import lengths, sample
 from robot.fields.field import FieldError
-from robot.fields.field_loading import field_from_grid, load_field
-from robot.fields.grid_map import OccupancyGrid
+from robot.fields.field_loading import load_field
+from robot.fields.grid_field import field_from_grid
+from robot.fields.occupancy_grid import OccupancyGrid
 from robot.geometry import Pose2
 
 REAL = SHARED / "maps"

@@ -10,7 +10,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 
-from robot.fields.grid_map import MapError, Meaning, OccupancyGrid, load_map_yaml, save_map_yaml
+from robot.fields.grid_map import Meaning, load_map_yaml, save_map_yaml
+from robot.fields.occupancy_grid import MapError, OccupancyGrid
 from robot.geometry import Pose2
 
 KEYS = {

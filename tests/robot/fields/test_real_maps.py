@@ -6,7 +6,8 @@ import pytest
 import yaml
 from places import SHARED
 
-from robot.fields.grid_map import MapError, load_map_yaml
+from robot.fields.grid_map import load_map_yaml
+from robot.fields.occupancy_grid import MapError
 from robot.geometry import Pose2
 
 REAL = SHARED / "maps"

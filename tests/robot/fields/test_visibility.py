@@ -12,8 +12,9 @@ from tape_trials import MAPS, SCANNER, SQUARE, STILL, camera_of
 
 from robot.fields.edges import lengths, outline, sharp_ends
 from robot.fields.field import Field
-from robot.fields.field_loading import field_from_grid, load_field
-from robot.fields.grid_map import OccupancyGrid
+from robot.fields.field_loading import load_field
+from robot.fields.grid_field import field_from_grid
+from robot.fields.occupancy_grid import OccupancyGrid
 from robot.fields.visibility import STEP, Visibility, visibility
 from robot.geometry import Array, Pose2
 from robot.interface import Frame

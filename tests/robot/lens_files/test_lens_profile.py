@@ -26,7 +26,9 @@ MATRIX = np.array([[533.0, 0, 342.0], [0, 534.0, 234.0], [0, 0, 1]])
 
 
 def lens_of(model: str = "plumb_bob", coefficients: object = None, **size: int) -> Lens:
-    bends = np.linspace(0.01, 0.02, COEFFICIENTS[model]) if coefficients is None else coefficients
+    bends = (
+        np.linspace(0.01, 0.02, len(COEFFICIENTS[model])) if coefficients is None else coefficients
+    )
     return Lens(size.get("width", 640), size.get("height", 480), MATRIX, bends, model=model)
 
 
@@ -44,8 +46,8 @@ def written(folder: Path, text: str) -> Path:
     st.sampled_from(sorted(COEFFICIENTS)).flatmap(
         lambda model: st.tuples(
             st.just(model),
-            arrays(np.float64, COEFFICIENTS[model], elements=st.floats(-10, 10)),
-            st.none() | arrays(np.float64, 4 + COEFFICIENTS[model], elements=st.floats(0, 9)),
+            arrays(np.float64, len(COEFFICIENTS[model]), elements=st.floats(-10, 10)),
+            st.none() | arrays(np.float64, 4 + len(COEFFICIENTS[model]), elements=st.floats(0, 9)),
         )
     )
 )

@@ -19,11 +19,10 @@ from robot.localization.refinement import (
     INEXACT,
     MEAN_ERROR,
     NEAR_SHARE,
-    SLOPE,
     WIDEST,
     Refinement,
 )
-from robot.localization.scan_matching import GATE_SDS
+from robot.localization.scan_matching import GATE_SDS, SLOPE
 
 SD = DEFAULTS.sensor.sigma_hit
 NARROW = np.diag(np.square([0.002, 0.002, 0.008]))

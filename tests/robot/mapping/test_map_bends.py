@@ -11,7 +11,7 @@ from mappings import WIDTH, mapped
 from robot.geometry import Array, Pose2
 from robot.mapping.ends import BEND_OFF, BEYOND, RaysOnFloor, straight_ahead
 from robot.mapping.joining import is_tape_between
-from robot.mapping.start_frame import moved_to_start
+from robot.mapping.map_adjustment import moved_to_start
 from robot.mapping.strokes import Stroke, Strokes
 
 

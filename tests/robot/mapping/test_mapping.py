@@ -24,10 +24,9 @@ from robot.mapping.cutting import pieces_of
 from robot.mapping.drawing import drawing
 from robot.mapping.ends import RaysOnFloor
 from robot.mapping.mapper import Mapper
-from robot.mapping.steadiness import steadiness
 from robot.mapping.stroke_fitting import fit_stroke
 from robot.mapping.strokes import Stroke, Strokes
-from robot.mapping.tape_map import LEAST_STEADINESS, MappingError
+from robot.mapping.tape_map import LEAST_STEADINESS, MappingError, steadiness
 from robot.mapping.tidying import TidyStrokes
 
 

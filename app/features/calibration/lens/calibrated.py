@@ -31,7 +31,6 @@ from robot.calibration.lens.sighting import Sighting
 from robot.description.lens_table import MeasuredLens
 from robot.description.profile import Profile
 from robot.geometry import Array
-from robot.lens_files.camera_info import parameters
 
 INTERVAL = 1.96
 """Half of a 95 % interval, in standard deviations."""
@@ -48,7 +47,7 @@ class CalibratedLens:
     def message(self) -> LensMessage:
         """Return what a page shows of it."""
         result = self.result
-        named = zip(parameters(result.lens).items(), result.chosen.fit.sd.tolist(), strict=True)
+        named = zip(result.lens.parameters.items(), result.chosen.fit.sd.tolist(), strict=True)
         seen = list(result.seen.values())
         return LensMessage(
             model=result.chosen.model,

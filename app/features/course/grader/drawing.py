@@ -103,7 +103,7 @@ def draw_poses(poses: Mapping[str, Array], tape: Sequence[Array] = ()) -> str:
     return str(drawing)
 
 
-def draw_clouds(clouds: Mapping[str, Array], start: Array | None = None) -> str:
+def draw_clouds(clouds: Mapping[str, Array]) -> str:
     """Draw clouds of points (n, 2), by style."""
     drawing = Drawing(np.concatenate([cloud[:, :2] for cloud in clouds.values()]))
     for style, cloud in clouds.items():
@@ -111,8 +111,6 @@ def draw_clouds(clouds: Mapping[str, Array], start: Array | None = None) -> str:
             drawing.dot(point[:2], style, 2)
     for style, cloud in clouds.items():
         drawing.text(np.max(cloud[:, :2], axis=0), f"@{LABELS.get(style, style)}", style)
-    if start is not None:
-        drawing.arrow(start, "start", "start")
     return str(drawing)
 
 

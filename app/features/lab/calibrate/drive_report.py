@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from app.features.lab.calibrate.calibrated_robot import CalibratedRobot
-from app.features.lab.report_page import embedded, page, svg_figure
+from app.features.lab.report_page import BLUE, GREY, RED, page, picture_frame, svg_figure
 from robot.calibration.calibrate import LEARNT
 from robot.description.unknowns import ROBOT, UNKNOWNS
 from robot.geometry import Array
@@ -22,8 +20,6 @@ CELL, LEAST_IN_CELL = 40, 20
 """Side of the picture's parts [px], and how many edges have to be seen in one."""
 MOST_POINTS = 2000
 """Points that are drawn, of the edges that were seen."""
-Draw = Callable[[Figure, CalibratedRobot], None]
-BLUE, RED, GREY = "#0072b2", "#d55e00", "#999999"
 
 
 def drive_report(result: CalibratedRobot) -> str:
@@ -38,10 +34,10 @@ def drive_report(result: CalibratedRobot) -> str:
         remarks=calibration.remarks,
         advice=calibration.advice,
         rows=_rows(result),
-        shares=embedded(_drawn(6.4, 2.8, _draw_shares, result)),
-        path=embedded(_drawn(6.4, 6.0, _draw_path, result)),
-        times=embedded(_drawn(6.4, 4.0, _draw_times, result)),
-        picture=embedded(_drawn(6.4, 5.0, _draw_picture, result)),
+        shares=_draw_shares(result),
+        path=_draw_path(result),
+        times=_draw_times(result),
+        picture=_draw_picture(result),
         lengthened=LENGTHENED,
     )
 
@@ -66,18 +62,7 @@ def _rounded(interval: float) -> str:
     return f"{interval:.{max(0, 1 - math.floor(math.log10(interval)))}f}"
 
 
-def _drawn(
-    width: float,
-    height: float,
-    draw: Callable[[Figure, CalibratedRobot], None],
-    result: CalibratedRobot,
-) -> str:
-    done: list[str] = []
-    with svg_figure(width, height, done) as figure:
-        draw(figure, result)
-    return done[0]
-
-
+@svg_figure(6.4, 2.8)
 def _draw_shares(figure: Figure, result: CalibratedRobot) -> None:
     axes = figure.add_subplot()
     known = UNKNOWNS[:ROBOT]
@@ -89,6 +74,7 @@ def _draw_shares(figure: Figure, result: CalibratedRobot) -> None:
     axes.invert_yaxis()
 
 
+@svg_figure(6.4, 6.0)
 def _draw_path(figure: Figure, result: CalibratedRobot) -> None:
     axes = figure.add_subplot()
     edges = result.taped.edges
@@ -102,6 +88,7 @@ def _draw_path(figure: Figure, result: CalibratedRobot) -> None:
     axes.set(aspect="equal", xlabel="x [m]", ylabel="y [m]")
 
 
+@svg_figure(6.4, 4.0)
 def _draw_times(figure: Figure, result: CalibratedRobot) -> None:
     above, below = figure.subplots(2, 1, sharex=True)
     state, seen = result.calibration.solution.state, result.calibration.solution.misses
@@ -117,10 +104,10 @@ def _draw_times(figure: Figure, result: CalibratedRobot) -> None:
     below.legend(frameon=False, ncols=2)
 
 
+@svg_figure(6.4, 5.0)
 def _draw_picture(figure: Figure, result: CalibratedRobot) -> None:
-    axes, lens = figure.add_subplot(), result.spec.lens
+    axes = picture_frame(figure, result.spec.lens)
     places, errors = mean_errors(result)
-    _frame(axes, lens.width, lens.height)
     arrows = axes.quiver(
         *places.T, *errors.T, angles="xy", scale_units="xy", scale=1 / LENGTHENED,
         width=0.003, color=BLUE,
@@ -139,8 +126,3 @@ def mean_errors(result: CalibratedRobot) -> tuple[Array, Array]:
     sums = np.column_stack([np.bincount(cell.ravel(), part) for part in errors.T])
     some = counts >= LEAST_IN_CELL
     return (cells[some] + 0.5) * CELL, sums[some] / counts[some, None]
-
-
-def _frame(axes: Axes, width: int, height: int) -> None:
-    axes.set(xlim=(0, width), ylim=(height, 0), aspect="equal", xlabel="px")
-    axes.spines[["top", "right"]].set_visible(True)

@@ -24,7 +24,6 @@ from robot.calibration.lens.result_file import camera_info_of
 from robot.cameras.picture_files import turned_line
 from robot.description.lens_table import MeasuredLens
 from robot.description.spec import RobotSpec
-from robot.lens_files.camera_info import parameters
 from robot.lens_files.writing import FORMATS, INI, Format
 from robot.settings import SettingError
 
@@ -119,7 +118,7 @@ def lines_of(result: LensCalibration, board: Board) -> Iterator[str]:
             f"{rating.fit.rms:.3f} px in its own{mark}"
         )
     sd = result.chosen.fit.sd
-    for (name, value), error in zip(parameters(result.lens).items(), sd, strict=True):
+    for (name, value), error in zip(result.lens.parameters.items(), sd, strict=True):
         digits = 2 if name in ("fx", "fy", "cx", "cy") else 4
         yield f"{name:<3}{value:>10.{digits}f} ± {1.96 * error:.{digits}f}"
     for words in missing(list(result.seen.values()), board):

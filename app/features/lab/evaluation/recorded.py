@@ -16,7 +16,7 @@ from app.features.lab.evaluation.report import recorded_errors, recorded_paths
 from app.features.lab.evaluation.results import method_table
 from app.features.lab.evaluation.runs import SHOWN, score
 from app.features.lab.localize.reading.bag_trajectory import read_any
-from app.features.lab.report_page import embedded, page
+from app.features.lab.report_page import page
 from app.features.lab.trajectories.association import NEAREST, Pairs, pairs_of
 from app.features.lab.trajectories.clock_offset import ClockOffset, require_same_run
 from app.features.lab.trajectories.metrics import absolute_errors, align, ate_rmse, fit_scale
@@ -177,8 +177,8 @@ def evaluate_recording(
                 experiment=results["experiment"],
                 lines=[line[0].upper() + line[1:] for line in basis_lines(results["experiment"])],
                 method=results["methods"]["amcl"],
-                paths=embedded(figure),
-                over_time=embedded(recorded_errors(stamps, offset)),
+                paths=figure,
+                over_time=recorded_errors(stamps, offset),
                 settings={},
             ),
             encoding="utf-8",

@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 from app.features.lab.localize.settings import LaserSettings
 from robot.fields.field import Field, FieldError
-from robot.fields.field_loading import field_from_grid
-from robot.fields.grid_map import MapError, OccupancyGrid, load_map_yaml
+from robot.fields.grid_field import field_from_grid
+from robot.fields.grid_map import load_map_yaml
+from robot.fields.occupancy_grid import MapError, OccupancyGrid
 from robot.geometry import Array, Pose2, turned_covariance
 from robot.localization.models.entry_field import EntryField
 from robot.localization.models.likelihood_field import LikelihoodField

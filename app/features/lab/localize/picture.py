@@ -13,14 +13,12 @@ from matplotlib.patches import Circle
 
 from app.features.lab.localize.laser_map import LaserMap
 from app.features.lab.localize.localized import LONGEST_GAP, Localized, ReportedPose
-from app.features.lab.report_page import STROKES, STYLE
+from app.features.lab.report_page import BLUE, PURPLE, STROKES, STYLE
 from robot.geometry import Array, Pose2, compose
 
 INCHES, DPI = 9.0, 150
 MARGIN = 3.0
 """Margin of map that is shown around the paths [m]."""
-WITHDRAWN = "#cc79a7"
-"""Colour of the path that was reported and withdrawn."""
 WIDER = 0.6
 """Smallest ratio of the picture's shorter side to its longer side."""
 
@@ -68,14 +66,13 @@ def _ways(axes: Axes, localized: Localized) -> Array:
         begin = Pose2.from_array(poses[0]) @ Pose2.from_array(odometry[0]).inverse()
         alone = compose(np.tile(begin.to_array(), (len(odometry), 1)), odometry)
         for way, stroke in ((alone, STROKES["odometry"]), (_broken(standing), STROKES["amcl"])):
-            x, y, _ = way.T
-            axes.plot(x, y, stroke.dashes, color=stroke.colour, lw=stroke.width, label=stroke.label)
+            stroke.draw(axes, way)
         for pose, mark, label in ((poses[0], "o", "first known"), (poses[-1], "X", "end")):
-            axes.plot(*pose[:2], mark, color="#0072b2", ms=7, mec="white", label=label)
+            axes.plot(*pose[:2], mark, color=BLUE, ms=7, mec="white", label=label)
         shown.append(poses[:, :2])
     if withdrawn := localized.withdrawn:
         way = _broken(withdrawn)
-        axes.plot(way[:, 0], way[:, 1], ":", color=WITHDRAWN, lw=1.6, label="told, and withdrawn")
+        axes.plot(way[:, 0], way[:, 1], ":", color=PURPLE, lw=1.6, label="told, and withdrawn")
         shown.append(np.array([item.pose[:2] for item in withdrawn]))
     return np.concatenate(shown)
 
@@ -99,7 +96,7 @@ def _places(axes: Axes, localized: Localized) -> Array:
     centres = np.array([[item.pose.x, item.pose.y] for item in places]).reshape(-1, 2)
     for place, (x, y) in zip(places, centres, strict=True):
         wide = 2 * float(np.sqrt(np.trace(place.covariance[:2, :2]) / 2))
-        axes.add_patch(Circle((x, y), wide, fill=False, color="#0072b2", label="may be here"))
+        axes.add_patch(Circle((x, y), wide, fill=False, color=BLUE, label="may be here"))
     return centres
 
 

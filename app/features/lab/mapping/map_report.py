@@ -5,13 +5,12 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
-from app.features.lab.report_page import embedded, page, svg_figure
+from app.features.lab.report_page import BLUE, GREY, RED, page, svg_figure
 from robot.mapping.tape_map import TapeMap
 
 TEMPLATE = "map.html.jinja"
 MOST_POINTS = 6000
 """Points that are drawn, of the edges that were seen."""
-BLUE, RED, GREY = "#0072b2", "#d55e00", "#999999"
 
 
 def map_report(drawn: TapeMap, source: str) -> str:
@@ -31,17 +30,11 @@ def map_report(drawn: TapeMap, source: str) -> str:
         sd=float(np.median(drawn.node_sd)),
         largest_sd=float(drawn.node_sd.max()),
         slip=float(np.abs(solution.state.slip).max()),
-        map=embedded(_figure(drawn)),
+        map=_draw(drawn),
     )
 
 
-def _figure(drawn: TapeMap) -> str:
-    done: list[str] = []
-    with svg_figure(6.4, 6.4, done) as figure:
-        _draw(figure, drawn)
-    return done[0]
-
-
+@svg_figure(6.4, 6.4)
 def _draw(figure: Figure, drawn: TapeMap) -> None:
     axes = figure.add_subplot()
     seen = drawn.solution.misses.ends
@@ -55,7 +48,5 @@ def _draw(figure: Figure, drawn: TapeMap) -> None:
     unseen = drawn.unseen_ends
     if len(unseen):
         axes.plot(*unseen.T, "o", color=RED, mfc="none", label="ends that nobody saw")
-    axes.set_aspect("equal")
-    axes.set_xlabel("x [m]")
-    axes.set_ylabel("y [m]")
+    axes.set(aspect="equal", xlabel="x [m]", ylabel="y [m]")
     figure.legend(loc="outside lower center", ncols=4, markerscale=2)

@@ -8,6 +8,7 @@ from dataclasses import asdict
 from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 from matplotlib.patches import Ellipse
 from scipy.stats import chi2
 
@@ -15,14 +16,14 @@ from app.features.lab.model_fits.likelihood import Interval
 from app.features.lab.model_fits.motion_statistics import EndSpread, MotionStatistics
 from app.features.lab.model_fits.regions import Held
 from app.features.lab.model_fits.sensor_statistics import SensorStatistics
-from app.features.lab.report_page import embedded, page, svg_figure
+from app.features.lab.report_page import BLUE, RED, page, svg_figure
 from app.settings.config import Config
 from app.settings.provenance import settings_of
 from robot.geometry import Array
 
 Table = dict[str, Any]
-AS_SET, FITTED = "#d55e00", "#0072b2"
-"""Colours of Okabe and Ito; the lines also differ: dashed and solid."""
+AS_SET, FITTED = RED, BLUE
+"""The lines also differ: dashed and solid."""
 MM = 1e3
 
 
@@ -130,82 +131,77 @@ def models_report(
         experiment=results["experiment"],
         results=results,
         default={path: default[path] for path in results["fitted"]},
-        ends=embedded(_motion_ends(motion.ends)) if motion.ends else None,
-        regions=embedded(_regions_held(motion.held)) if motion.held else None,
-        ranges=embedded(_range_errors(sensor)) if sensor else None,
+        ends=_motion_ends(motion.ends) if motion.ends else None,
+        regions=_regions_held(motion.held) if motion.held else None,
+        ranges=_range_errors(sensor) if sensor else None,
         settings=default,
     )
 
 
-def _motion_ends(ends: Sequence[tuple[EndSpread, EndSpread]]) -> str:
+@svg_figure()
+def _motion_ends(figure: Figure, ends: Sequence[tuple[EndSpread, EndSpread]]) -> None:
     """Draw the true ends seen from odometry's, along and across, with the model's ellipses."""
-    svg: list[str] = []
     columns = 4
     rows = -(-len(ends) // columns)
-    with svg_figure(2.3 * columns, 2.3 * rows + 0.4, svg) as figure:
-        grid: Any = figure.subplots(rows, columns, squeeze=False)
-        for axes in grid.flat[len(ends) :]:
-            axes.set_axis_off()
-        for axes, (as_set, corrected) in zip(grid.flat, ends, strict=False):
-            for spread, mark, colour, dashes, name in (
-                (as_set, "x", AS_SET, "--", "as set"),
-                (corrected, ".", FITTED, "-", "corrected and fitted"),
-            ):
-                x, y = MM * spread.errors[:, :2].T
-                axes.plot(x, y, mark, color=colour, ms=4, alpha=0.7, label=name)
-                axes.add_patch(_ellipse(MM**2 * spread.predicted[:2, :2], colour, dashes))
-            axes.plot(0, 0, "+", color="black", ms=8)
-            axes.set_title(as_set.motion.replace("_", " "))
-            axes.autoscale_view()
-            axes.tick_params(labelsize=7)
-        figure.supxlabel("along [mm]")
-        figure.supylabel("across [mm]")
-        handles, labels = grid[0][0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside upper center", ncols=2, frameon=False)
-    return svg[0]
+    figure.set_size_inches(2.3 * columns, 2.3 * rows + 0.4)
+    grid: Any = figure.subplots(rows, columns, squeeze=False)
+    for axes in grid.flat[len(ends) :]:
+        axes.set_axis_off()
+    for axes, (as_set, corrected) in zip(grid.flat, ends, strict=False):
+        for spread, mark, colour, dashes, name in (
+            (as_set, "x", AS_SET, "--", "as set"),
+            (corrected, ".", FITTED, "-", "corrected and fitted"),
+        ):
+            x, y = MM * spread.errors[:, :2].T
+            axes.plot(x, y, mark, color=colour, ms=4, alpha=0.7, label=name)
+            axes.add_patch(_ellipse(MM**2 * spread.predicted[:2, :2], colour, dashes))
+        axes.plot(0, 0, "+", color="black", ms=8)
+        axes.set_title(as_set.motion.replace("_", " "))
+        axes.autoscale_view()
+        axes.tick_params(labelsize=7)
+    figure.supxlabel("along [mm]")
+    figure.supylabel("across [mm]")
+    handles, labels = grid[0][0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside upper center", ncols=2, frameon=False)
 
 
-def _range_errors(sensor: SensorStatistics) -> str:
+@svg_figure(9.2, 2.8)
+def _range_errors(figure: Figure, sensor: SensorStatistics) -> None:
     """Draw bias and spread, misses and false returns by distance, and correlation by lag."""
-    svg: list[str] = []
-    with svg_figure(9.2, 2.8, svg) as figure:
-        spread, shares, lags = figure.subplots(1, 3)
-        bins = [item for item in sensor.distances if item.count > 1]
-        middle = [(item.low + item.high) / 2 for item in bins]
-        bias, sd, robust = MM * np.array([(item.bias, item.sd, item.robust_sd) for item in bins]).T
-        spread.errorbar(middle, bias, sd, fmt="o", color=FITTED, ms=4, label="mean, sd")
-        spread.plot(middle, robust, "--", color=AS_SET, label="sd without the worst")
-        spread.set(xlabel="exact range [m]", ylabel="error of a range [mm]")
-        misses, false = 100 * np.array([(item.missed, item.false) for item in bins]).T
-        shares.plot(middle, misses, "-o", color=FITTED, ms=4, label="missed")
-        shares.plot(middle, false, "--x", color=AS_SET, ms=4, label="false")
-        shares.set(xlabel="range [m]", ylabel="share [%]", ylim=(0, None))
-        lags.plot(sensor.correlation.by_ray[:40], "-", color=FITTED, label="rays apart")
-        lags.plot(sensor.correlation.by_scan[:40], "--", color=AS_SET, label="scans apart")
-        lags.axhline(0, color="black", lw=0.6)
-        lags.set(xlabel="apart by", ylabel="correlation of errors")
-        for axes in (spread, shares, lags):
-            axes.grid(alpha=0.3)
-            axes.legend(frameon=False)
-    return svg[0]
-
-
-def _regions_held(held: Sequence[Held]) -> str:
-    """Draw the shares that the 95 % regions held of drives that they were not fitted to."""
-    svg: list[str] = []
-    with svg_figure(4.6, 2.8, svg) as figure:
-        axes = figure.add_subplot()
-        places = np.arange(len(held))
-        axes.axhline(95, color="#888888", lw=1, label="95 %")
-        shares = np.array([item.share for item in held])
-        low, high = np.array([item.interval for item in held]).T
-        reach = 100 * np.maximum([shares - low, high - shares], 0)
-        axes.errorbar(places, 100 * shares, reach, fmt="o", color=FITTED, capsize=3)
-        axes.set_xticks(places, [f"{item.region.horizon:g} s" for item in held])
-        bottom = min(80, 100 * float(low.min()) - 2)
-        axes.set(ylabel="held [%]", ylim=(bottom, 100.5), xlim=(-0.5, len(held) - 0.5))
+    spread, shares, lags = figure.subplots(1, 3)
+    bins = [item for item in sensor.distances if item.count > 1]
+    middle = [(item.low + item.high) / 2 for item in bins]
+    bias, sd, robust = MM * np.array([(item.bias, item.sd, item.robust_sd) for item in bins]).T
+    spread.errorbar(middle, bias, sd, fmt="o", color=FITTED, ms=4, label="mean, sd")
+    spread.plot(middle, robust, "--", color=AS_SET, label="sd without the worst")
+    spread.set(xlabel="exact range [m]", ylabel="error of a range [mm]")
+    misses, false = 100 * np.array([(item.missed, item.false) for item in bins]).T
+    shares.plot(middle, misses, "-o", color=FITTED, ms=4, label="missed")
+    shares.plot(middle, false, "--x", color=AS_SET, ms=4, label="false")
+    shares.set(xlabel="range [m]", ylabel="share [%]", ylim=(0, None))
+    lags.plot(sensor.correlation.by_ray[:40], "-", color=FITTED, label="rays apart")
+    lags.plot(sensor.correlation.by_scan[:40], "--", color=AS_SET, label="scans apart")
+    lags.axhline(0, color="black", lw=0.6)
+    lags.set(xlabel="apart by", ylabel="correlation of errors")
+    for axes in (spread, shares, lags):
+        axes.grid(alpha=0.3)
         axes.legend(frameon=False)
-    return svg[0]
+
+
+@svg_figure(4.6, 2.8)
+def _regions_held(figure: Figure, held: Sequence[Held]) -> None:
+    """Draw the shares that the 95 % regions held of drives that they were not fitted to."""
+    axes = figure.add_subplot()
+    places = np.arange(len(held))
+    axes.axhline(95, color="#888888", lw=1, label="95 %")
+    shares = np.array([item.share for item in held])
+    low, high = np.array([item.interval for item in held]).T
+    reach = 100 * np.maximum([shares - low, high - shares], 0)
+    axes.errorbar(places, 100 * shares, reach, fmt="o", color=FITTED, capsize=3)
+    axes.set_xticks(places, [f"{item.region.horizon:g} s" for item in held])
+    bottom = min(80, 100 * float(low.min()) - 2)
+    axes.set(ylabel="held [%]", ylim=(bottom, 100.5), xlim=(-0.5, len(held) - 0.5))
+    axes.legend(frameon=False)
 
 
 def _ellipse(covariance: Array, colour: str, dashes: str) -> Ellipse:

@@ -8,9 +8,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
-from app.features.lab.report_page import svg_figure
+from app.features.lab.report_page import GREY, OKABE_ITO, svg_figure
 from app.files import atomic_file
 from robot.settings import SettingError
 
@@ -21,10 +22,8 @@ FEW = 12
 """Medians are drawn for at most this many values: more come from a random sample."""
 WORD = 24
 """Longest text of a value; longer ones, such as paths of files, show only their end."""
-MARKS = tuple(zip("o^sDvP*X", (
-    "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000", "#999999",
-), strict=True))  # fmt: skip
-"""Marks and colours (Okabe and Ito) of worlds and conditions; they repeat if there are more."""
+MARKS = tuple(zip("o^sDvP*X", (*OKABE_ITO, GREY), strict=True))
+"""Marks and colours of worlds and conditions; they repeat if there are more."""
 
 
 class TableError(SettingError):
@@ -87,43 +86,44 @@ def plot_setting(path: Path, setting: str, rows: list[dict[str, Any]], steady: b
     Raises:
         OSError: the file cannot be written.
     """
+    svg = _draw(setting, rows, steady)
+    with atomic_file(path) as new:
+        new.write_text(svg, encoding="utf-8")
+
+
+@svg_figure(5.2, 3.2)
+def _draw(figure: Figure, setting: str, rows: list[dict[str, Any]], steady: bool) -> None:
     measure, label = (OFFSET_MEASURE, OFFSET_LABEL) if steady else (MEASURE, LABEL)
     shown = [row for row in rows if row[measure] is not None]
     values = sorted({row[setting] for row in rows}, key=_order)
     words = not all(_is_number(value) for value in values)
     position = {value: index if words else value for index, value in enumerate(values)}
-    done: list[str] = []
-    with svg_figure(5.2, 3.2, done) as figure:
-        axes = figure.add_subplot()
-        worlds = list(dict.fromkeys(_where(row) for row in rows))
-        for (mark, colour), world in zip(itertools.cycle(MARKS), worlds, strict=False):
-            of_world = [row for row in shown if _where(row) == world]
-            x = [position[row[setting]] for row in of_world]
-            y = [1e3 * row[measure] for row in of_world]
-            axes.plot(x, y, mark, color=colour, ms=4, alpha=0.5, label=world)
-            if len(values) <= FEW and of_world:
-                places = sorted(set(x))
-                medians = [
-                    np.median([b for a, b in zip(x, y, strict=True) if a == p]) for p in places
-                ]
-                axes.plot(places, medians, "-", color=colour, lw=1.5)
-        failed = len(rows) - len(shown)
-        given = f"{failed} runs failed or were never right" if failed else ""
-        axes.set(
-            xlabel=setting, ylabel=label, title=given,
-            yscale="log" if shown else "linear",
-        )  # fmt: skip
-        if words:
-            axes.set_xticks(range(len(values)), [_word(value) for value in values])
-        elif _is_wide(values):
-            axes.set_xscale("log")
-        for axis in (axes.yaxis, axes.xaxis) if not words else (axes.yaxis,):
-            axis.set_major_formatter("{x:g}")
-            axis.set_minor_formatter(NullFormatter())
-        axes.grid(alpha=0.3, which="both")
-        axes.legend(frameon=False)
-    with atomic_file(path) as new:
-        new.write_text(done[0], encoding="utf-8")
+    axes = figure.add_subplot()
+    worlds = list(dict.fromkeys(_where(row) for row in rows))
+    for (mark, colour), world in zip(itertools.cycle(MARKS), worlds, strict=False):
+        of_world = [row for row in shown if _where(row) == world]
+        x = [position[row[setting]] for row in of_world]
+        y = [1e3 * row[measure] for row in of_world]
+        axes.plot(x, y, mark, color=colour, ms=4, alpha=0.5, label=world)
+        if len(values) <= FEW and of_world:
+            places = sorted(set(x))
+            medians = [np.median([b for a, b in zip(x, y, strict=True) if a == p]) for p in places]
+            axes.plot(places, medians, "-", color=colour, lw=1.5)
+    failed = len(rows) - len(shown)
+    given = f"{failed} runs failed or were never right" if failed else ""
+    axes.set(
+        xlabel=setting, ylabel=label, title=given,
+        yscale="log" if shown else "linear",
+    )  # fmt: skip
+    if words:
+        axes.set_xticks(range(len(values)), [_word(value) for value in values])
+    elif _is_wide(values):
+        axes.set_xscale("log")
+    for axis in (axes.yaxis, axes.xaxis) if not words else (axes.yaxis,):
+        axis.set_major_formatter("{x:g}")
+        axis.set_minor_formatter(NullFormatter())
+    axes.grid(alpha=0.3, which="both")
+    axes.legend(frameon=False)
 
 
 def _where(row: dict[str, Any]) -> str:

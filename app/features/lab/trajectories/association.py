@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation, Slerp
 
 from app.features.lab.trajectories.motion_profile import in_gap, longest_step
@@ -146,45 +146,6 @@ def _with_stamps(trajectory: Trajectory, indices: NDArray[np.int64], stamps: Arr
         trajectory.notes,
         repeats=True,
     )
-
-
-def at(
-    trajectory: Trajectory, stamps: ArrayLike, max_gap: float = 0.2
-) -> tuple[Trajectory, NDArray[np.bool_]]:
-    """Interpolate a trajectory: positions along straight lines, rotations by the shorter way.
-
-    Args:
-        stamps: rising stamps (n,) [s], on its clock.
-        max_gap: longest time between two poses [s] over which to interpolate.
-
-    Returns:
-        The poses at those stamps where they are known, and which stamps those are (n,).
-
-    Raises:
-        TrajectoryError: the poses are known at fewer than two stamps; names the times.
-    """
-    trajectory = trajectory.without_repeats()
-    asked = np.asarray(stamps, dtype=np.float64).ravel()
-    known = trajectory.stamps
-    before = np.clip(np.searchsorted(known, asked, side="right") - 1, 0, len(known) - 2)
-    inside = (asked >= known[0]) & (asked <= known[-1])
-    hit = (asked == known[before]) | (asked == known[before + 1])
-    given = inside & (hit | (known[before + 1] - known[before] <= max_gap))
-    if np.count_nonzero(given) < 2:
-        raise TrajectoryError(
-            f"{_times(trajectory)} has poses at {np.count_nonzero(given)} of {len(asked)} stamps, "
-            f"with gaps up to {max_gap:g} s; valid are 2 and more"
-        )
-    between = Slerp(known, Rotation.from_quat(trajectory.quaternions))
-    positions = [np.interp(asked[given], known, axis) for axis in trajectory.positions.T]
-    poses = Trajectory(
-        asked[given],
-        np.column_stack(positions),
-        between(asked[given]).as_quat(),
-        trajectory.source,
-        trajectory.notes,
-    )
-    return poses, given
 
 
 def _too_few(truth: Trajectory, estimate: Trajectory, pairs: int, largest: float) -> str:

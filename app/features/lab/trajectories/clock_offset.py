@@ -142,9 +142,7 @@ class OffsetHypothesis:
         return bool(self.overlap >= LEAST_OVERLAP and self.explained(sigma) > FITS * known)
 
 
-def estimate_clock_offset(
-    truth: Trajectory, estimate: Trajectory, search: float | None = None
-) -> ClockOffset:
+def estimate_clock_offset(truth: Trajectory, estimate: Trajectory) -> ClockOffset:
     """Find the offset between the clocks of two trajectories of one run.
 
     Guesses are no offset, if the stamps overlap, and where speeds and turn rates, which do not
@@ -156,10 +154,9 @@ def estimate_clock_offset(
     Args:
         truth: with any clock.
         estimate: with any clock.
-        search: largest offset [s]; None means any.
 
     Raises:
-        TrajectoryError: a trajectory is too short or too long, or no offset is in reach.
+        TrajectoryError: a trajectory is too short or too long, or they overlap at no offset.
     """
     if truth.planar or estimate.planar:
         truth, estimate = truth.to_planar(), estimate.to_planar()
@@ -172,25 +169,23 @@ def estimate_clock_offset(
         (motion_profile(truth, planar, smoothing), motion_profile(estimate, planar, smoothing))
         for smoothing in SMOOTHINGS
     ]
-    bounds = (-np.inf, np.inf) if search is None else (-search, search)
-    starts, alike, offsets = _starts(profiles, bounds)
+    starts, alike, offsets = _starts(profiles)
     few = places(course, estimate, COMPARED)
-    as_it_is = (_guess(few, 0.0, near) for near in (_around(0.0, bounds), (0.0, 0.0)))
+    as_it_is = (_guess(few, 0.0, near) for near in (_around(0.0), (0.0, 0.0)))
     no_offset = min(
         (guess for guess in as_it_is if guess is not None),
         key=lambda guess: guess.sigma,
         default=None,
     )
-    guesses = [_guess(few, start, _around(start, bounds)) for start in starts]
+    guesses = [_guess(few, start, _around(start)) for start in starts]
     others = [guess for guess in guesses if guess is not None and guess.overlap >= OVERLAP]
     if no_offset is None and not others:
-        within = "" if search is None else f" with clocks up to {search:g} s apart"
         raise TrajectoryError(
-            f"{truth.name} and {estimate.name} overlap too little in time{within}; "
+            f"{truth.name} and {estimate.name} overlap too little in time; "
             f"valid is at least {OVERLAP:.0%} of the shorter one"
         )
     chosen, rivals = _judged(no_offset, others)
-    shift = time_shift(course, estimate, chosen.seconds, _around(chosen.seconds, bounds))
+    shift = time_shift(course, estimate, chosen.seconds, _around(chosen.seconds))
     by_stamps = chosen is no_offset
     if not np.isfinite(shift.deviation):
         shift = replace(shift, seconds=0.0 if by_stamps else chosen.seconds)
@@ -208,9 +203,7 @@ def estimate_clock_offset(
     )
 
 
-def require_same_run(
-    truth: Trajectory, estimate: Trajectory, search: float | None = None
-) -> ClockOffset:
+def require_same_run(truth: Trajectory, estimate: Trajectory) -> ClockOffset:
     """Return the clock offset of two trajectories that must be of one run.
 
     Two runs of the same driving program move alike and cannot be told apart.
@@ -219,7 +212,7 @@ def require_same_run(
         TrajectoryError: the trajectories move differently, or there is no offset, or several that
             are as good while the stamps as they are do not overlap.
     """
-    offset = estimate_clock_offset(truth, estimate, search)
+    offset = estimate_clock_offset(truth, estimate)
     if not offset.is_one_run:
         raise TrajectoryError(
             f"{truth.name} is of another run than {estimate.name}: whatever the clocks, speed and "
@@ -234,10 +227,9 @@ def require_same_run(
     return offset
 
 
-def _around(seconds: float, bounds: tuple[float, float]) -> tuple[float, float]:
-    """Return the bounds [s] of one guess, within those of all."""
-    low, high = np.clip([seconds - NEAR, seconds + NEAR], *bounds)
-    return float(low), float(high)
+def _around(seconds: float) -> tuple[float, float]:
+    """Return the bounds [s] of one guess."""
+    return seconds - NEAR, seconds + NEAR
 
 
 def _guess(channel: Channel, start: float, bounds: tuple[float, float]) -> OffsetHypothesis | None:
@@ -305,7 +297,7 @@ def _judged(
 
 
 def _starts(
-    profiles: list[tuple[MotionProfile, MotionProfile]], bounds: tuple[float, float]
+    profiles: list[tuple[MotionProfile, MotionProfile]],
 ) -> tuple[list[float], Array, Array]:
     """Return offsets [s] to begin at, and the least smoothed correlation (m,) at offsets (m,)."""
     starts: list[float] = []
@@ -314,9 +306,8 @@ def _starts(
         offsets, alike, overlap = correlations(truth, estimate)
         if finest is None:
             finest = alike
-        reached = (overlap >= OVERLAP) & (offsets >= bounds[0]) & (offsets <= bounds[1])
         for merit in (alike, alike * overlap):
-            for peak in _peaks(np.where(reached, merit, -2.0)):
+            for peak in _peaks(np.where(overlap >= OVERLAP, merit, -2.0)):
                 if all(abs(offsets[peak] - start) > 0.2 for start in starts):
                     starts.append(float(offsets[peak]))
     assert finest is not None

@@ -8,11 +8,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from app.engine.build import build_engine, own_models
+from app.engine.added_models import AddedModels, choice_of
+from app.engine.build import build_engine
 from app.engine.engine import Engine
-from app.engine.own_models.own_models import OwnModels
 from app.engine.parameter_changes import with_values_and_models
-from app.engine.program import Program
+from app.engine.plugging import models_of
+from app.engine.program import LocalProgram
 from app.engine.start_pose.start import Start, start
 from app.features.recordings.attachments import PROFILE, SETTINGS, URDF
 from app.features.recordings.files.mcap_reader import RecordingReader, open_recording
@@ -91,7 +92,7 @@ class ReplayOptions:
 
 
 @dataclass(frozen=True)
-class ReplayProgram(Program):
+class ReplayProgram(LocalProgram):
     """A program whose robot is a recording."""
 
     replay: Replay = dataclasses.field(kw_only=True)
@@ -156,12 +157,12 @@ def open_replay(
     field = _field(parts, options, reader)
     drive = DifferentialDrive(parts.spec, config.drive.multipliers)
     robot = RecordedRobot(reader, topics, parts.spec, drive, f"Recording {_name(path)}")
-    own = own_models(config, field)
+    added = models_of(config, field)
     begin = _Begin(
         config,
         field,
         LineScanner(parts.spec.floor_view, config.scanner, field.tape),
-        own,
+        added,
         _start(config, parts, field, robot),
         robot,
     )
@@ -182,7 +183,7 @@ def open_replay(
         field,
         config,
         pose_file,
-        own.choice,
+        choice_of(added),
         replay.run,
         replay=replay,
         remarks=remarks,
@@ -196,27 +197,31 @@ class _Begin:
     config: Config
     field: Field
     scanner: LineScanner
-    own: OwnModels
+    added: tuple[AddedModels, ...]
     start: Start
     robot: RecordedRobot
 
     def engine(self, changed: dict[str, Any], entries: EntryField | None) -> Engine:
         """Make an engine with some parameters changed by name; impossible changes are left out."""
-        config, own = self.config, self.own
-        own.reset()
+        config, added = self.config, self.added
+        for models in added:
+            models.choose(None)
         parameters = config.localization
         for name, value in changed.items():
             try:
-                parameters, choice = with_values_and_models(parameters, own.choice, {name: value})
+                parameters, choice = with_values_and_models(
+                    parameters, choice_of(added), {name: value}
+                )
             except SettingError:
                 continue  # a model's file is gone; the page shows which is in use
-            own.choose(choice)
+            for models in added:
+                models.choose(choice)
         return build_engine(
             config,
             self.robot,
             self.field,
             self.scanner,
-            own=own,
+            added=added,
             begin=self.start,
             parameters=parameters,
             entries=entries,

@@ -6,7 +6,6 @@ import dataclasses
 from dataclasses import replace
 from pathlib import Path
 
-from app.control.starting import build_served
 from app.engine.parameter_changes import changed_values
 from app.engine.program import Program
 from app.features.recordings.replay.opening import (
@@ -20,6 +19,7 @@ from app.features.recordings.replay.recorded_robot import RecordedRobot
 from app.foreign_files import read_apart
 from app.languages.marking import phrase
 from app.messages.commands import SetParametersCommand
+from app.page.serving import build_served
 from app.settings.config import Config
 from robot.errors import BrickPoseError
 
@@ -53,8 +53,8 @@ def run_again(program: Program, path: Path) -> ReplayProgram:
     if newest is not None:
         values = changed_values(newest.filter.parameters, replay.config.localization)
         models = {
-            "laser_model_type": newest.filter.own.sensor,
-            "robot_model_type": newest.filter.own.motion,
+            "laser_model_type": newest.filter.models.sensor,
+            "robot_model_type": newest.filter.models.motion,
         }
         values |= {name: model for name, model in models.items() if model}
         replay.replay.timeline.change(SetParametersCommand(type="set_parameters", values=values))

@@ -115,9 +115,9 @@ class Timeline:
         self._pure = True
         """Whether the state depends only on the recording, the settings and the time."""
         self._can_keep = True
-        own = engine.localization.own
-        self._saves = own.saves
-        self._keeper = CheckpointWriter([field, field.edges, own])
+        self._added = engine.localization.added
+        self._reloads = engine.controls.reloads
+        self._keeper = CheckpointWriter([field, field.edges, *self._added])
 
     @property
     def log_ns(self) -> int:
@@ -147,7 +147,7 @@ class Timeline:
         snapshot = self.engine.advance((*recorded, *commands))
         if self.robot.recorded_estimate is not None:
             self._recorded_estimate = self._recorded_estimate_of(*self.robot.recorded_estimate)
-        self._mind_own_models()
+        self._mind_reloads()
         self._keep()
         return snapshot
 
@@ -155,7 +155,7 @@ class Timeline:
         """Carry out commands between two ticks."""
         self._note(commands)
         snapshot = self.engine.apply_between_ticks(commands)
-        self._mind_own_models()
+        self._mind_reloads()
         return snapshot
 
     def forget(self) -> None:
@@ -192,9 +192,10 @@ class Timeline:
         if kept is None:
             self._start_anew()
         else:
-            state, sensor, motion, place, self._recorded_estimate = kept.checkpoint.restore()
+            state, in_use, place, self._recorded_estimate = kept.checkpoint.restore()
             self.engine.controls.restore(state)
-            self.engine.localization.own.put_back(sensor, motion)
+            for models, kept_models in zip(self._added, in_use, strict=True):
+                models.put_back(kept_models, state.localization.parameters)
             self.robot.go_to(place)
         self._pure = True
         return target
@@ -251,11 +252,11 @@ class Timeline:
         except LookupError:
             return self._recorded_estimate  # the stamp is older than the stored odometry
 
-    def _mind_own_models(self) -> None:
-        """Treat a user's own model that was saved again as a change of settings."""
-        saves = self.engine.localization.own.saves
-        if saves != self._saves:
-            self._saves = saves
+    def _mind_reloads(self) -> None:
+        """Treat a model in use that was saved again as a change of settings."""
+        reloads = self.engine.controls.reloads
+        if reloads != self._reloads:
+            self._reloads = reloads
             self.forget()
 
     def _keep(self) -> None:
@@ -263,9 +264,9 @@ class Timeline:
         if not (self._pure and self._can_keep and self.checkpoints.due(log_ns)):
             return
         try:
-            controls, own = self.engine.controls, self.engine.localization.own
-            state = controls.state, own.sensor, own.motion, self.robot.at, self._recorded_estimate
-            kept = self._keeper.keep(state)
+            state = self.engine.controls.state
+            in_use = [models.in_use for models in self._added]
+            kept = self._keeper.keep((state, in_use, self.robot.at, self._recorded_estimate))
         except CheckpointError as error:
             self._can_keep = False
             self.engine.note(f"To go back takes long: {error}.")

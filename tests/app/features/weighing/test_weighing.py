@@ -10,8 +10,8 @@ from engine_runs import drive, kinematic, run
 from particle_robot import sensor_named
 from stub_drive import DEFAULTS, ENTRIES, STUB, Drive
 
-from app.engine.own_models.guards import OwnSensor
-from app.engine.own_models.model_file import ModelFile
+from app.features.own_models.guards import OwnSensor
+from app.features.own_models.model_file import ModelFile
 from app.features.weighing.routes import LOWEST, landscape_message, pose_fits
 from robot.geometry import Pose2
 from robot.localization.landscape import by_heading, landscape

@@ -12,11 +12,11 @@ from websockets.sync.client import ClientConnection, connect
 
 from app.engine.build import build_program
 from app.engine.engine_thread import EngineThread
-from app.engine.snapshot import Snapshot
 from app.page.outlets import Outlets
 from app.page.server import create_app
 from app.page.view.cameras import Cameras
 from app.page.view.scene import Scene
+from app.page.view.view import View
 from app.page.view.viewers import PROTOCOL
 from app.settings.config import Config
 from sim.real_time import RealTime
@@ -90,32 +90,37 @@ def test_a_page_that_has_gone_has_no_camera(monkeypatch) -> None:
 def test_nothing_is_drawn_for_nobody_but_paths_are_kept(monkeypatch) -> None:
     done: list[str] = []
 
-    def noting(name: str):
-        original = getattr(Scene, name)
+    def note(kind: type, name: str) -> None:
+        original = getattr(kind, name)
 
-        def noted(self: Scene, snapshot: Snapshot) -> None:
+        def noted(self: object, *given: object) -> None:
             done.append(name)
-            original(self, snapshot)
+            original(self, *given)
 
-        return noted
+        monkeypatch.setattr(kind, name, noted)
 
-    for name in ("update", "remember"):
-        monkeypatch.setattr(Scene, name, noting(name))
+    note(Scene, "__init__")
+    note(Scene, "update")
+    note(View, "_remember")
 
     def more_of(name: str, address: str) -> list[str]:
         """What is done until something is done three times."""
-        done.clear()
+        begin = len(done)
         for _ in range(2000):
-            if done.count(name) >= 3:
+            if done[begin:].count(name) >= 3:
                 break
             get(f"http://{address}/api/health")
-        return list(done)
+        return done[begin:]
 
     program = build_program(Config(robot="kinematic", map="square"), RealTime())
     app = create_app(program, EngineThread(program.engine), Outlets(program))
     with listening(app) as address:
-        assert set(more_of("remember", address)) == {"remember"}
+        more_of("_remember", address)
+        assert set(done) == {"_remember"}
         with connect(f"ws://{address}/view/mine", subprotocols=[PROTOCOL], max_size=None):
             assert more_of("update", address).count("update") >= 3
-        # Each update remembers as well: those alone are for nobody.
-        assert any("update" not in more_of("remember", address) for _ in range(50))
+        # With each update they are kept as well: those alone are for nobody.
+        assert any("update" not in more_of("_remember", address) for _ in range(50))
+        with connect(f"ws://{address}/view/mine", subprotocols=[PROTOCOL], max_size=None):
+            more_of("update", address)
+        assert done.count("__init__") == 1

@@ -11,7 +11,8 @@ import pytest
 from fake_gpiod import Pins
 
 from app.features.build_hat import pi_check as pi
-from app.tools.doctor.finding import OK, PROBLEM, WARNING, Finding, Machine, ok, output_of, problem
+from app.features.build_hat.machine import Machine, output_of
+from app.tools.doctor.finding import OK, PROBLEM, WARNING, Finding, ok, problem
 
 PI_4 = "Raspberry Pi 4 Model B Rev 1.4\0"
 PI_5 = "Raspberry Pi 5 Model B Rev 1.0\0"

@@ -10,7 +10,7 @@ import pytest
 
 from app.features.build_hat import robot_check
 from app.tools.doctor.finding import OK, PROBLEM, WARNING
-from robot.cameras.camera import CameraSourceSettings
+from robot.cameras.settings import CameraSourceSettings
 from robot.description.spec import RobotSpec
 
 

@@ -14,7 +14,6 @@ from robot.calibration.lens.board import Board
 from robot.calibration.lens.board_search import find_board
 from robot.calibration.lens.lens_calibration import LensError, calibrate_lens
 from robot.calibration.lens.sighting import Grey, Sighting, SightingError
-from robot.lens_files.camera_info import parameters
 
 pytestmark = pytest.mark.slow
 
@@ -59,7 +58,7 @@ def test_the_lens_is_known_where_the_boards_were(board: Board, model: str) -> No
 def test_the_simplest_model_that_is_good_enough_is_chosen() -> None:
     result = calibrate_lens(sightings(CHESSBOARD, "plumb_bob"), CHESSBOARD, {})
     assert result.lens.model == "plumb_bob"
-    assert list(parameters(result.lens)) == ["fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3"]
+    assert list(result.lens.parameters) == ["fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3"]
     fits = {rating.model: rating.fit.rms for rating in result.ratings}
     assert fits["rational_polynomial"] < 1.001 * fits["plumb_bob"]
 

@@ -7,8 +7,8 @@ import pytest
 
 from app.features.lab.localize.laser_map import FreeWay, free_field, wall_field
 from robot.fields.field import FieldError
-from robot.fields.field_loading import field_from_grid
-from robot.fields.grid_map import OccupancyGrid
+from robot.fields.grid_field import field_from_grid
+from robot.fields.occupancy_grid import OccupancyGrid
 from robot.geometry import Pose2
 from robot.localization.kernels.entry_planes import ROWS, distance_at, planes
 from robot.localization.models.entry_field import DIRECTIONS, EntryField

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
 
 from app.features.lab.evaluation.integrity.claims import STATE, read_numbers
 from app.features.lab.evaluation.integrity.drives import CARRY_STAMP
@@ -24,15 +25,12 @@ from app.features.lab.evaluation.integrity.summary import (
     trade,
 )
 from app.features.lab.evaluation.runs import PLACE_XY, Mask
-from app.features.lab.report_page import embedded, page, svg_figure
+from app.features.lab.report_page import BLUE, GREEN, OKABE_ITO, ORANGE, RED, page, svg_figure
 from app.settings.provenance import settings_of
 from robot.geometry import Array
 from robot.localization.estimate import Cause, State
 from robot.localization.monitoring.claims import NARROW
 
-MISLEADING, NAVY, ORANGE = "#d55e00", "#0072b2", "#e69f00"
-"""Colours of Okabe and Ito."""
-COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
 COLUMNS = 3
 """Number of columns of small diagrams."""
 TEMPLATE = "integrity.html.jinja"
@@ -40,7 +38,10 @@ WORST = 12
 """Number of runs that are listed as the worst; half of them have a plot."""
 
 
-def stanford_diagram(counts: Array, bins: Array, unit: str, scale: float, quantity: str) -> str:
+@svg_figure(4.8, 4.4)
+def stanford_diagram(
+    figure: Figure, counts: Array, bins: Array, unit: str, scale: float, quantity: str
+) -> None:
     """Draw error against bound of all pictures that claim one place; logarithmic.
 
     Args:
@@ -49,92 +50,76 @@ def stanford_diagram(counts: Array, bins: Array, unit: str, scale: float, quanti
         scale: factor from the bins' unit to the unit that is shown.
         quantity: whose error it is: "place" or "heading".
     """
-    done: list[str] = []
-    with svg_figure(4.8, 4.4, done) as figure:
-        axes = figure.add_subplot()
-        mesh = _diagram(axes, counts, scale * bins, quantity == "place")
-        axes.set(xlabel=f"error of the {quantity} [{unit}]", ylabel=f"claimed bound [{unit}]")
-        _name_regions(axes, scale * bins)
-        if mesh is not None:
-            figure.colorbar(mesh, ax=axes, label="pictures", shrink=0.8)
-    return done[0]
+    axes = figure.add_subplot()
+    mesh = _diagram(axes, counts, scale * bins, quantity == "place")
+    axes.set(xlabel=f"error of the {quantity} [{unit}]", ylabel=f"claimed bound [{unit}]")
+    _name_regions(axes, scale * bins)
+    if mesh is not None:
+        figure.colorbar(mesh, ax=axes, label="pictures", shrink=0.8)
 
 
-def condition_diagrams(diagrams: Mapping[str, Stanford]) -> str:
+@svg_figure()
+def condition_diagrams(figure: Figure, diagrams: Mapping[str, Stanford]) -> None:
     """Draw a small diagram of the position for each condition."""
-    done: list[str] = []
     rows = math.ceil(len(diagrams) / COLUMNS)
-    with svg_figure(2.5 * COLUMNS, 2.3 * rows + 0.4, done) as figure:
-        grid: Any = figure.subplots(rows, COLUMNS, squeeze=False, sharex=True, sharey=True)
-        for axes in grid.flat[len(diagrams) :]:
-            axes.set_visible(False)
-        for axes, (name, item) in zip(grid.flat, diagrams.items(), strict=False):
-            _diagram(axes, item.place, 1e3 * PLACE_BINS, True)
-            axes.set_title(name)
-        figure.supxlabel("error [mm]", fontsize=9)
-        figure.supylabel("claimed bound [mm]", fontsize=9)
-    return done[0]
+    figure.set_size_inches(2.5 * COLUMNS, 2.3 * rows + 0.4)
+    grid: Any = figure.subplots(rows, COLUMNS, squeeze=False, sharex=True, sharey=True)
+    for axes in grid.flat[len(diagrams) :]:
+        axes.set_visible(False)
+    for axes, (name, item) in zip(grid.flat, diagrams.items(), strict=False):
+        _diagram(axes, item.place, 1e3 * PLACE_BINS, True)
+        axes.set_title(name)
+    figure.supxlabel("error [mm]", fontsize=9)
+    figure.supylabel("claimed bound [mm]", fontsize=9)
 
 
-def trade_curve(diagrams: Mapping[str, Stanford]) -> str:
+@svg_figure(5.6, 3.2)
+def trade_curve(figure: Figure, diagrams: Mapping[str, Stanford]) -> None:
     """Draw the pictures that claim a radius below a limit, against those outside their radius."""
-    done: list[str] = []
-    with svg_figure(5.6, 3.2, done) as figure:
-        axes = figure.add_subplot()
-        for index, (name, item) in enumerate(diagrams.items()):
-            pictures = int(item.place.sum()) + item.unavailable
-            available, outside = trade(item, pictures)
-            dashes = ("-", "--", ":")[index // len(COLOURS) % 3]
-            axes.plot(
-                100 * outside, 100 * available, dashes, lw=1.3, label=name,
-                color=COLOURS[index % len(COLOURS)],
-            )  # fmt: skip
-        axes.set(xlabel="truth outside of the bound [%]", ylabel="bound below the limit [%]")
-        axes.set_xlim(left=0)
-        axes.grid(alpha=0.3)
-        figure.legend(loc="outside right upper", frameon=False, fontsize=7)
-    return done[0]
+    axes = figure.add_subplot()
+    for index, (name, item) in enumerate(diagrams.items()):
+        pictures = int(item.place.sum()) + item.unavailable
+        available, outside = trade(item, pictures)
+        dashes = ("-", "--", ":")[index // len(OKABE_ITO) % 3]
+        axes.plot(
+            100 * outside, 100 * available, dashes, lw=1.3, label=name,
+            color=OKABE_ITO[index % len(OKABE_ITO)],
+        )  # fmt: skip
+    axes.set(xlabel="truth outside of the bound [%]", ylabel="bound below the limit [%]")
+    axes.set_xlim(left=0)
+    axes.grid(alpha=0.3)
+    figure.legend(loc="outside right upper", frameon=False, fontsize=7)
 
 
-def place_diagram(stanford: Stanford) -> str:
-    """Draw the diagram of positions [mm]."""
-    return stanford_diagram(stanford.place, PLACE_BINS, "mm", 1e3, "place")
-
-
-def heading_diagram(stanford: Stanford) -> str:
-    """Draw the diagram of headings [degree]."""
-    return stanford_diagram(stanford.heading, HEADING_BINS, "degrees", math.degrees(1.0), "heading")
-
-
-def drive_plot(numbers: Mapping[str, Array], certain: Mask, carry_stamp: float | None) -> str:
+@svg_figure(5.6, 2.0)
+def drive_plot(
+    figure: Figure, numbers: Mapping[str, Array], certain: Mask, carry_stamp: float | None
+) -> None:
     """Draw error and bound of one drive over time, and mark where it is misleading."""
     offset = 1e3 * np.hypot(numbers["x"] - numbers["true_x"], numbers["y"] - numbers["true_y"])
     bound = 1e3 * np.where(np.isfinite(numbers["radius"]), numbers["radius"], np.nan)
     stamps = numbers["stamp"]
-    done: list[str] = []
-    with svg_figure(5.6, 2.0, done) as figure:
-        axes = figure.add_subplot()
-        axes.plot(stamps, np.maximum(offset, 0.05), color=NAVY, lw=1.2, label="error")
-        axes.plot(stamps, bound, "--", color=ORANGE, lw=1.2, label="bound")
-        bad = certain & (offset > np.nan_to_num(bound, nan=np.inf))
-        axes.plot(stamps[bad], offset[bad], ".", color=MISLEADING, ms=4, label="misleading")
-        axes.fill_between(
-            stamps, 0, 1, where=certain, transform=axes.get_xaxis_transform(),
-            color="#009e73", alpha=0.12, lw=0, label="says certain",
-        )  # fmt: skip
-        axes.axhline(1e3 * PLACE_XY, color="#888888", lw=0.7)
-        if carry_stamp is not None:
-            axes.axvline(carry_stamp, color="#888888", lw=0.7, ls=":")
-        axes.set(yscale="log", xlabel="time [s]", ylabel="[mm]")
-        figure.legend(frameon=False, ncols=4, fontsize=7, loc="outside upper center")
-    return done[0]
+    axes = figure.add_subplot()
+    axes.plot(stamps, np.maximum(offset, 0.05), color=BLUE, lw=1.2, label="error")
+    axes.plot(stamps, bound, "--", color=ORANGE, lw=1.2, label="bound")
+    bad = certain & (offset > np.nan_to_num(bound, nan=np.inf))
+    axes.plot(stamps[bad], offset[bad], ".", color=RED, ms=4, label="misleading")
+    axes.fill_between(
+        stamps, 0, 1, where=certain, transform=axes.get_xaxis_transform(),
+        color=GREEN, alpha=0.12, lw=0, label="says certain",
+    )  # fmt: skip
+    axes.axhline(1e3 * PLACE_XY, color="#888888", lw=0.7)
+    if carry_stamp is not None:
+        axes.axvline(carry_stamp, color="#888888", lw=0.7, ls=":")
+    axes.set(yscale="log", xlabel="time [s]", ylabel="[mm]")
+    figure.legend(frameon=False, ncols=4, fontsize=7, loc="outside upper center")
 
 
 def _diagram(axes: Axes, counts: Array, borders: Array, is_place: bool) -> Any:
     """Draw the counts in colours over the diagonal; return None if there are no counts."""
     low, high = float(borders[0]), float(borders[-1])
-    axes.fill_between([low, high], [low, low], [low, high], color=MISLEADING, alpha=0.12, lw=0)
-    axes.plot([low, high], [low, high], color=MISLEADING, lw=1)
+    axes.fill_between([low, high], [low, low], [low, high], color=RED, alpha=0.12, lw=0)
+    axes.plot([low, high], [low, high], color=RED, lw=1)
     if is_place:
         axes.axhline(1e3 * NARROW, color="#888888", lw=0.7, ls="--")
     mesh = None
@@ -152,9 +137,7 @@ def _name_regions(axes: Axes, borders: Array) -> None:
     def quantile(share: float) -> float:
         return float(10 ** (low + share * (high - low)))
 
-    axes.text(
-        quantile(0.97), quantile(0.10), "misleading where certain", color=MISLEADING, ha="right"
-    )
+    axes.text(quantile(0.97), quantile(0.10), "misleading where certain", color=RED, ha="right")
     axes.text(quantile(0.03), quantile(0.93), "the bound holds", color="#444444")
 
 
@@ -185,10 +168,12 @@ def report(shown: IntegrityResults) -> str:
         groups=results["summary"]["groups"],
         causes=results["summary"]["causes"],
         cause_names=[*map(str, Cause), NO_ALERT],
-        place=embedded(place_diagram(whole)),
-        heading=embedded(heading_diagram(whole)),
-        panels=embedded(condition_diagrams(ordered)),
-        trade=embedded(trade_curve(ordered)),
+        place=stanford_diagram(whole.place, PLACE_BINS, "mm", 1e3, "place"),
+        heading=stanford_diagram(
+            whole.heading, HEADING_BINS, "degrees", math.degrees(1.0), "heading"
+        ),
+        panels=condition_diagrams(ordered),
+        trade=trade_curve(ordered),
         unavailable=whole.unavailable,
         worst=[_worst_row(shown.folder, row, index < WORST / 2) for index, row in enumerate(worst)],
         settings=settings_of(shown.experiment.config),
@@ -230,7 +215,7 @@ def _worst_row(folder: Path, row: Row, is_plotted: bool) -> Row:
     if is_plotted:
         numbers = read_numbers(folder / path)
         certain = _certain(folder / path)
-        plot = embedded(drive_plot(numbers, certain, carry_stamp))
+        plot = drive_plot(numbers, certain, carry_stamp)
     return row | {"path": path, "plot": plot}
 
 

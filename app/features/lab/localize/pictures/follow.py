@@ -44,8 +44,6 @@ class LocatedPicture:
     covariance: Array = field(repr=False)
     """(3, 3) [m, m, rad] of the last update."""
     state: State
-    readings: int
-    """Number of rays that met tape."""
 
 
 @dataclass
@@ -201,7 +199,6 @@ class PictureRun:
             pose,
             belief.estimate.hypotheses[0].covariance,
             self._follower.integrity_at(odometry).state,
-            int(line_scan.scan.hit.sum()),
         )
         self.result.located.append(located)
         if self._guess is not None:

@@ -22,7 +22,6 @@ import pytest
 import yaml
 
 from app import console, operating_system
-from app.engine.own_models.model_file import ModelFile
 from app.features.course.sandbox import limits, student_process
 from app.features.course.sandbox.custody import Usage
 from app.features.course.sandbox.student_process import Limit, StudentError, StudentProcess
@@ -34,6 +33,7 @@ from app.features.course.sandbox.windows_custody import (
     WindowsCustody,
 )
 from app.features.course.source import read_source
+from app.features.own_models.model_file import ModelFile
 from app.features.recordings.library import RecordingError, rename
 from app.features.recordings.replay.parts import _names_file
 from app.files import atomic_file, is_portable

@@ -15,8 +15,8 @@ from app.features.lab.calibrate.pictures import read_grey
 from app.features.lab.localize.pictures.sequence import read_sequence
 from app.features.recordings.replay.decoding import picture_of
 from app.features.ros.message_types import new, to_cdr
-from robot.cameras.camera import CameraSourceSettings
 from robot.cameras.choice import open_camera
+from robot.cameras.settings import CameraSourceSettings
 
 GREY = np.add.outer(np.arange(48) * 3, np.arange(64) * 1.5).astype(np.uint8)
 

@@ -50,10 +50,3 @@ def test_values_that_say_nothing_are_refused(some):
     for work in (summary, bootstrap_interval):
         with pytest.raises(ValueError, match="valid are finite numbers"):
             work(some)
-
-
-def test_parameters_out_of_range_are_refused():
-    with pytest.raises(ValueError, match="level 1; valid"):
-        bootstrap_interval([1, 2], level=1)
-    with pytest.raises(ValueError, match="0 draws; valid"):
-        bootstrap_interval([1, 2], draws=0)

@@ -10,7 +10,7 @@ from app.features.lab.localize.localize import localize
 from app.features.lab.localize.localized import Localized, ReportedPose
 from app.features.lab.localize.settings import LocalizeSettings
 from benchmarks.lasers.laser_robot import Laser, measurements, wander
-from robot.fields.grid_map import OccupancyGrid
+from robot.fields.occupancy_grid import OccupancyGrid
 from robot.geometry import Pose2
 from robot.localization.estimate import State
 

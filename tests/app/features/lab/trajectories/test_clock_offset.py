@@ -167,15 +167,6 @@ def test_odometry_that_drifts_is_not_misled_by_where_it_thinks_it_is():
     assert found.seconds == pytest.approx(1 - 9, abs=0.02)
 
 
-def test_a_search_looks_only_so_far():
-    truth, rng = truth_of(random_path(5), 0, 40), np.random.default_rng(0)
-    estimate = estimate_of(random_path(5), 0, 40, 30, rng, clock=0.3)
-    assert estimate_clock_offset(truth, estimate, 1.0).seconds == pytest.approx(-0.3, abs=0.01)
-    assert abs(estimate_clock_offset(truth, estimate, 0.1).seconds) < 0.15
-    with pytest.raises(TrajectoryError, match=r"overlap too little in time with clocks up to 1 s"):
-        estimate_clock_offset(truth, estimate.shifted(1e9), 1.0)
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(6))
 def test_truth_of_another_run_is_refused(seed):

@@ -1,10 +1,7 @@
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
-from scipy.spatial.transform import Rotation
 
-from app.features.lab.trajectories.association import associate, at
+from app.features.lab.trajectories.association import associate
 from app.trajectories.trajectory import Trajectory, TrajectoryError
 
 
@@ -57,37 +54,3 @@ def test_too_few_pairs_are_told():
         associate(line([0, 1, 2, 3], "t.tum"), line([0, 1, 2.5], "e.tum"))
     with pytest.raises(TrajectoryError, match="have no pairs"):
         associate(line([0, 1, 2, 3]), line([0.5, 1.5, 2.5]))
-
-
-@given(st.lists(st.floats(0, 10), min_size=2, max_size=20, unique=True).map(sorted))
-def test_between_poses_it_is_on_the_line_and_turns_evenly(stamps):
-    stamps = np.unique(np.round(stamps, 6))
-    if len(stamps) < 2:
-        return
-    found, known = at(line(np.arange(0, 10.01, 0.1)), stamps)
-    assert known.all()
-    np.testing.assert_allclose(found.positions[:, 0], stamps, atol=1e-12)
-    np.testing.assert_allclose(np.exp(1j * found.poses[:, 2]), np.exp(0.5j * stamps), atol=1e-9)
-
-
-def test_rotations_go_the_short_way_whatever_the_signs_of_quaternions():
-    turns = Rotation.from_euler("xyz", [[0.1, 0.2, 3.0], [0.1, 0.2, -3.0]]).as_quat()
-    for sign in (1, -1):
-        path = Trajectory([0, 1], np.zeros((2, 3)), turns * [[1], [sign]])
-        halfway, _ = at(path, [0.25, 0.5], max_gap=1)
-        middle = Rotation.from_quat(halfway.quaternions[1])
-        off = [(middle.inv() * Rotation.from_quat(turn)).magnitude() for turn in turns]
-        whole = Rotation.from_quat(turns[0]).inv() * Rotation.from_quat(turns[1])
-        np.testing.assert_allclose(off, whole.magnitude() / 2)
-
-
-def test_off_the_ends_and_in_gaps_nothing_is_known():
-    path = line([0, 0.1, 0.2, 2, 2.1])
-    asked = [-0.1, 0, 0.15, 0.2, 1.0, 2, 2.05, 2.1, 2.2]
-    found, known = at(path, asked, max_gap=0.5)
-    np.testing.assert_array_equal(known, [0, 1, 1, 1, 0, 1, 1, 1, 0])
-    np.testing.assert_allclose(found.stamps, np.array(asked)[known])
-    with pytest.raises(
-        TrajectoryError, match=r"t\.tum \(from 0.000 to 1.000 s\) has poses at 0 of"
-    ):
-        at(line([0, 1], "t.tum"), [5, 6])

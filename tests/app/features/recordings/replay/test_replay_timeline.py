@@ -131,7 +131,7 @@ def test_own_models_are_used_for_the_whole_replay_and_taken_anew_when_saved(
     path = save(flat)
     timeline = course_of(recording[0], sensor_model=f"{path}:Mine")
     shown = go(timeline, 4.0)
-    assert shown.filter.own.sensor == "mine.py:Mine"
+    assert shown.filter.models.sensor == "mine.py:Mine"
     assert gist(shown) != {one.stamp: gist(one) for one in straight}[shown.stamp]
     checkpoints = len(timeline.checkpoints)
     save(flat.replace("np.zeros(len(poses))", "-100 * np.abs(poses[:, 0])"))

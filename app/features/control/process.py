@@ -1,0 +1,285 @@
+"""The process that controls the robot: it builds the program, steps it, and sends its snapshots."""
+
+from __future__ import annotations
+
+import math
+import os
+import pickle
+import signal
+import sys
+import threading
+import time
+from collections.abc import Sequence
+from contextlib import ExitStack, suppress
+from dataclasses import replace
+from multiprocessing.connection import Connection
+from queue import SimpleQueue
+from typing import Any
+
+import cv2
+
+from app.engine.added_models import ModelChoice
+from app.engine.build import build_on_field, build_on_map, build_program
+from app.engine.mailboxes.backlog import Backlog
+from app.engine.mailboxes.latest import Latest
+from app.engine.plugging import plug_in
+from app.engine.problems import LOG, ProblemState
+from app.engine.program import LocalProgram
+from app.engine.robot_facts import RobotFacts
+from app.engine.snapshot import DrawnMap, Snapshot
+from app.feature_search import find_features
+from app.features.control.messages import (
+    Begun,
+    Drawn,
+    Ended,
+    Follow,
+    Go,
+    Hangs,
+    Refused,
+    Stop,
+    Watched,
+)
+from app.features.control.parts import PartsWriter
+from app.operating_system import come_first
+from app.settings.config import Config
+from robot.description.spec import RobotSpec
+from robot.fields.field import Field
+from robot.interface import Frame
+from robot.localization.estimate import Estimate
+from robot.localization.filter import Cloud
+from robot.localization.models.entry_field import EntryField
+from robot.localization.parameters import LocalizationParameters
+from robot.localization.weighing import Weighing
+from robot.scan import Scan
+from robot.scanning.line_scanner import LineScan, LineScanner
+from sim.real_time import RealTime
+from sim.simulated import SimSettings
+
+PARTS = (
+    Cloud,
+    DrawnMap,
+    EntryField,
+    Estimate,
+    Field,
+    Frame,
+    LineScan,
+    LineScanner,
+    LocalizationParameters,
+    ModelChoice,
+    ProblemState,
+    RobotSpec,
+    Scan,
+    SimSettings,
+    Weighing,
+)
+"""Classes of what many snapshots share."""
+
+UNWATCHED_S = 0.2
+"""Interval of snapshots while nobody looks [s]: for whoever comes next, and for health."""
+HANGS_S = 0.5
+"""Without a tick for this time [s], the server is told where the loop hangs."""
+PATIENCE_S = 2.0
+"""A loop that hangs is ended after this time, once the server has gone [s]."""
+HAND_OVER_S = 0.001
+"""Threads hand over Python's lock after this time [s]: sending must not delay a step."""
+MOST_WAITING = 500
+"""Snapshots that wait to be sent to whoever needs each one: ten seconds of them."""
+
+
+def control(connection: Connection, config: Config, without: Sequence[str]) -> None:
+    """Control a robot until the server has gone or asks for the end; the work of the process.
+
+    Args:
+        connection: to the server.
+        config: everything that can be set.
+        without: the names of features that are left out.
+    """
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the server, which then asks
+    sys.setswitchinterval(HAND_OVER_S)
+    come_first()
+    cv2.setNumThreads(1)
+    plug_in(find_features(without))
+    _ControlProcess(connection).work(config)
+
+
+class _ControlProcess:
+    def __init__(self, connection: Connection) -> None:
+        self._connection = connection
+        self._parts = PartsWriter(PARTS)
+        self._sending = threading.Lock()
+        self._stop = threading.Event()
+        """Set when the loop at hand shall end."""
+        self._gone = threading.Event()
+        """Set when the server has gone."""
+        self._orders: SimpleQueue[Go | Follow | None] = SimpleQueue()
+        """What the main thread waits for between two loops; None: the server has gone."""
+        self._watched = Watched(present=False, every=False)
+        self._program: LocalProgram | None = None
+        self._main = threading.get_ident()
+        with suppress(ValueError):  # not in the main thread, as in a test
+            signal.signal(signal.SIGTERM, lambda number, frame: self._stop.set())
+
+    def work(self, config: Config) -> None:
+        threading.Thread(target=self._listen, name="orders", daemon=True).start()
+        following = self._built(lambda: build_program(config, RealTime()))
+        while following is not None:
+            following = self._run(following)
+
+    def _built(self, build: Any) -> LocalProgram | None:
+        """Build a program and tell the server, or tell it why not."""
+        try:
+            program: LocalProgram = build()
+        except Exception as error:
+            self._send(Refused(error))
+            return None
+        scanner = program.engine.scanner
+        begun = Begun(
+            RobotFacts.of(program.robot),
+            program.field,
+            program.config,
+            program.pose_file,
+            program.given,
+            scanner,
+        )
+        self._send(begun)
+        return program
+
+    def _run(self, program: LocalProgram) -> LocalProgram | None:
+        """Run one program's loop; return the next one's, or None at the end."""
+        engine = program.engine
+        published = threading.Event()
+        engine.latest = _AnnouncedLatest(published)
+        self._stop.clear()
+        self._program = program
+        if not isinstance(self._orders.get(), Go):
+            program.robot.close()
+            return None
+        self._watch()
+        done = threading.Event()
+        sender = threading.Thread(
+            target=self._send_snapshots, args=(published, done), name="snapshots", daemon=True
+        )
+        sender.start()
+        if self._gone.is_set():
+            self._stop.set()
+        engine.run(self._stop)
+        done.set()
+        published.set()
+        sender.join(PATIENCE_S)
+        self._send(Ended(engine.failure))
+        if not engine.handed_over or engine.failure is not None:
+            return None
+        order = self._orders.get()
+        if not isinstance(order, Follow):
+            program.robot.close()
+            return None
+        if order.place is None:
+            return self._built(lambda: build_on_field(program, order.name, order.field, RealTime()))
+        place = order.place
+        return self._built(lambda: build_on_map(program, order.name, order.field, place))
+
+    def _listen(self) -> None:
+        """Take orders until the server has gone; then the robot stops, and the process ends."""
+        while True:
+            try:
+                order = pickle.loads(self._connection.recv_bytes())
+            except (OSError, EOFError):
+                break
+            self._take(order)
+        self._gone.set()
+        self._stop.set()
+        self._orders.put(None)
+        time.sleep(PATIENCE_S)
+        os._exit(1)  # the main thread hangs in a user's model, or it would have ended by now
+
+    def _take(self, order: Any) -> None:
+        program = self._program
+        if isinstance(order, Go | Follow):
+            self._orders.put(order)
+        elif isinstance(order, Watched):
+            self._watched = order
+            self._watch()
+        elif isinstance(order, Stop):
+            if program is not None:
+                program.engine.handed_over = order.hand_over
+            self._stop.set()
+        elif program is None:
+            LOG.warning("an order came before there was a program: %r", order)
+        elif isinstance(order, Drawn):
+            program.engine.drawn.put(order.map)
+        else:
+            program.engine.commands.put(order)
+
+    def _watch(self) -> None:
+        """Pass on to the engine whether anybody looks."""
+        program = self._program
+        if program is None:
+            return
+        audience = program.engine.audience
+        if self._watched.present:
+            audience.visit()
+
+    def _send_snapshots(self, published: threading.Event, done: threading.Event) -> None:
+        """Send snapshots until the loop has ended, the last one included."""
+        assert self._program is not None
+        engine = self._program.engine
+        count, sent, hangs = 0, -math.inf, False
+        with ExitStack() as stack:
+            each: Backlog[Snapshot] | None = None
+            while not done.is_set():
+                came = published.wait(HANGS_S)
+                published.clear()
+                watched = self._watched
+                if watched.every and each is None:
+                    each = stack.enter_context(engine.every.subscribe(MOST_WAITING))
+                elif each is not None and not watched.every:
+                    stack.close()
+                    each = None
+                if watched.present:
+                    engine.audience.visit()
+                if came:
+                    hangs = False
+                elif not hangs:
+                    hangs = True
+                    self._send(Hangs(tuple(engine.where_it_hangs(self._main))))
+                now = time.monotonic()
+                due = watched.present or now - sent >= UNWATCHED_S
+                newer = engine.latest.newer_than(count) if each is None and due else None
+                for snapshot in each.take() if each else () if newer is None else newer[1:]:
+                    self._send_snapshot(snapshot)
+                    sent = now
+                count = count if newer is None else newer[0]
+        newer = engine.latest.newer_than(count)
+        if newer is not None:
+            self._send_snapshot(newer[1])
+
+    def _send_snapshot(self, snapshot: Snapshot) -> None:
+        try:
+            written = self._parts.write(snapshot)
+        except Exception:
+            LOG.exception("a snapshot cannot be sent whole")
+            bare = replace(snapshot, added={}, filter=replace(snapshot.filter, weighing=None))
+            written = self._parts.write(bare)
+        with suppress(OSError), self._sending:
+            self._connection.send_bytes(written)
+
+    def _send(self, message: object) -> None:
+        try:
+            written = self._parts.write(message)
+        except Exception:
+            assert isinstance(message, Refused)  # an error of somebody's may hold anything
+            written = self._parts.write(Refused(RuntimeError(repr(message.error))))
+        with suppress(OSError), self._sending:
+            self._connection.send_bytes(written)
+
+
+class _AnnouncedLatest(Latest[Snapshot]):
+    """A mailbox that also sets an event, for a thread."""
+
+    def __init__(self, published: threading.Event) -> None:
+        super().__init__()
+        self._published = published
+
+    def put(self, value: Snapshot) -> None:
+        super().put(value)
+        self._published.set()

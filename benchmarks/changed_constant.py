@@ -1,0 +1,142 @@
+"""A module loaded with another value of a constant, as if its source said so."""
+
+from __future__ import annotations
+
+import ast
+import re
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from importlib.abc import MetaPathFinder
+from importlib.machinery import ModuleSpec, PathFinder, SourceFileLoader
+from pathlib import Path
+from types import CodeType, ModuleType
+
+ROOT = Path(__file__).parents[1]
+ROOMS = ("robot", "sim", "app/engine")
+"""Where constants are looked for."""
+
+
+@dataclass(frozen=True)
+class Constant:
+    """A constant of a module."""
+
+    module: str
+    name: str
+
+    @classmethod
+    def of(cls, name: str) -> Constant:
+        """Return the constant whose dotted name ends so, as ``monitor.TORN``.
+
+        Raises:
+            ValueError: no constant has that name, or several have.
+        """
+        module, _, constant = name.rpartition(".")
+        several = [cls(dotted, constant) for dotted in _modules() if _ends(dotted, module)]
+        several = [each for each in several if each._stands]
+        if not module or len(several) != 1:
+            names = ", ".join(each.module for each in several) or "no module"
+            raise ValueError(f"{names} has {name!r}; valid is MODULE.NAME of one constant")
+        return several[0]
+
+    @property
+    def _path(self) -> Path:
+        return ROOT / (self.module.replace(".", "/") + ".py")
+
+    @property
+    def _source(self) -> str:
+        return self._path.read_text("utf-8")
+
+    @property
+    def _stands(self) -> bool:
+        return any(_place(each, self.name) is not None for each in ast.parse(self._source).body)
+
+    @property
+    def is_compiled(self) -> bool:
+        """Whether compiled code may have it built in: its module compiles, or one that imports it.
+
+        numba knows constants as they are when it compiles, and keeps what it has compiled.
+        """
+        importing = re.compile(
+            rf"^from {re.escape(self.module)} import (\([^)]*|.*)\b{self.name}\b", re.MULTILINE
+        )
+        others = [Constant(module, "")._source for module in _modules()]
+        users = [self._source, *(text for text in others if importing.search(text))]
+        return any("@compiled(" in text for text in users)
+
+    def change(self, value: str) -> None:
+        """Let the module, once it is imported, have another value.
+
+        Args:
+            value: an expression; after ``*`` a factor. What was whole stays whole, and at least 1.
+        """
+        assert self.module not in sys.modules
+        # numba asks where the source is.
+        tree = _changed(ast.parse(self._source), self.name, value)
+        code = compile(tree, self._path, "exec")
+        sys.meta_path.insert(0, _Finder(self.module, code))
+
+
+class _Finder(MetaPathFinder):
+    def __init__(self, module: str, code: CodeType) -> None:
+        self._module, self._code = module, code
+
+    def find_spec(
+        self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
+    ) -> ModuleSpec | None:
+        """Return how the one module is loaded; None for all others."""
+        spec = PathFinder.find_spec(fullname, path) if fullname == self._module else None
+        if spec is not None and spec.origin is not None:
+            spec.loader = _ChangedLoader(fullname, spec.origin, self._code)
+        return spec
+
+
+class _ChangedLoader(SourceFileLoader):
+    def __init__(self, fullname: str, path: str, code: CodeType) -> None:
+        super().__init__(fullname, path)
+        self._code = code
+
+    def get_code(self, fullname: str) -> CodeType:
+        """Return the changed code."""
+        return self._code
+
+
+def _modules() -> Iterator[str]:
+    for room in ROOMS:
+        for path in sorted((ROOT / room).rglob("*.py")):
+            yield ".".join(path.relative_to(ROOT).with_suffix("").parts)
+
+
+def _ends(dotted: str, ending: str) -> bool:
+    return f".{dotted}".endswith(f".{ending}")
+
+
+def _place(statement: ast.stmt, name: str) -> int | None:
+    """Return where a name stands among those that are assigned; None if it does not."""
+    if not isinstance(statement, ast.Assign):
+        return None
+    target = statement.targets[0]
+    names = [ast.unparse(each) for each in getattr(target, "elts", [target])]
+    return names.index(name) if name in names else None
+
+
+def _changed(tree: ast.Module, name: str, value: str) -> ast.Module:
+    """Return a module with another value of a constant, which may stand in a row of several."""
+    for statement in tree.body:
+        place = _place(statement, name)
+        if place is None or not isinstance(statement, ast.Assign):
+            continue
+        if isinstance(statement.targets[0], ast.Tuple):
+            assert isinstance(statement.value, ast.Tuple)
+            elements = statement.value.elts
+            elements[place] = _other(elements[place], value)
+        else:
+            statement.value = _other(statement.value, value)
+    return ast.fix_missing_locations(tree)
+
+
+def _other(expression: ast.expr, value: str) -> ast.expr:
+    text = f"({ast.unparse(expression)}){value}" if value.startswith("*") else value
+    if isinstance(expression, ast.Constant) and isinstance(expression.value, int):
+        text = f"max(1, round({text}))"
+    return ast.parse(text, mode="eval").body
