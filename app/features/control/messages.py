@@ -1,6 +1,6 @@
 """Begun and the other messages between the process that controls the robot and the one that serves.
 
-Commands go to control as they are, and snapshots come from it; these are all others.
+Commands go to control as they are; these are all others.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from pathlib import Path
 
 from app.engine.added_models import ModelChoice
 from app.engine.robot_facts import RobotFacts
-from app.engine.snapshot import DrawnMap
+from app.engine.snapshot import DrawnMap, Snapshot
 from app.settings.config import Config
 from robot.fields.field import Field
 from robot.localization.estimate import Hypothesis
@@ -76,6 +76,15 @@ class Refused:
     """From control: no program could be built."""
 
     error: Exception
+
+
+@dataclass(frozen=True)
+class Tick:
+    """From control: a snapshot."""
+
+    snapshot: Snapshot
+    unbroken: bool
+    """Whether it follows the last one that was so, with no tick between them."""
 
 
 @dataclass(frozen=True)

@@ -58,7 +58,10 @@ class PartsWriter:
     """Turns values into bytes for one reader, which must get all of them in their order."""
 
     def __init__(self, kinds: Iterable[type]) -> None:
-        """Objects of these classes, and large arrays, are parts; nobody may change them."""
+        """Objects of these classes, and large arrays, are parts; nobody may change them.
+
+        So are those of a class that says ``is_part = True``.
+        """
         self._kinds = frozenset(kinds)
         self._table = _Table()
         self._numbers: dict[int, Number] = {}
@@ -86,7 +89,7 @@ class PartsWriter:
         if type(value) is np.ndarray:
             if value.nbytes < SMALLEST:
                 return None
-        elif type(value) not in self._kinds:
+        elif type(value) not in self._kinds and not getattr(type(value), "is_part", False):
             return None
         known = self._numbers.get(id(value))
         if known is not None:

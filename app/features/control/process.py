@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 import pickle
 import signal
@@ -10,7 +9,7 @@ import sys
 import threading
 import time
 from collections.abc import Sequence
-from contextlib import ExitStack, suppress
+from contextlib import suppress
 from dataclasses import replace
 from multiprocessing.connection import Connection
 from queue import SimpleQueue
@@ -20,13 +19,11 @@ import cv2
 
 from app.engine.added_models import ModelChoice
 from app.engine.build import build_on_field, build_on_map, build_program
-from app.engine.mailboxes.backlog import Backlog
-from app.engine.mailboxes.latest import Latest
 from app.engine.plugging import plug_in
 from app.engine.problems import LOG, ProblemState
 from app.engine.program import LocalProgram
 from app.engine.robot_facts import RobotFacts
-from app.engine.snapshot import DrawnMap, Snapshot
+from app.engine.snapshot import DrawnMap
 from app.feature_search import find_features
 from app.features.control.messages import (
     Begun,
@@ -34,12 +31,13 @@ from app.features.control.messages import (
     Ended,
     Follow,
     Go,
-    Hangs,
     Refused,
     Stop,
+    Tick,
     Watched,
 )
 from app.features.control.parts import PartsWriter
+from app.features.control.tick_sender import TickSender
 from app.operating_system import come_first
 from app.settings.config import Config
 from robot.description.spec import RobotSpec
@@ -74,16 +72,10 @@ PARTS = (
 )
 """Classes of what many snapshots share."""
 
-UNWATCHED_S = 0.2
-"""Interval of snapshots while nobody looks [s]: for whoever comes next, and for health."""
-HANGS_S = 0.5
-"""Without a tick for this time [s], the server is told where the loop hangs."""
 PATIENCE_S = 2.0
 """A loop that hangs is ended after this time, once the server has gone [s]."""
 HAND_OVER_S = 0.001
 """Threads hand over Python's lock after this time [s]: sending must not delay a step."""
-MOST_WAITING = 500
-"""Snapshots that wait to be sent to whoever needs each one: ten seconds of them."""
 
 
 def control(connection: Connection, config: Config, without: Sequence[str]) -> None:
@@ -115,6 +107,7 @@ class _ControlProcess:
         """What the main thread waits for between two loops; None: the server has gone."""
         self._watched = Watched(present=False, every=False)
         self._program: LocalProgram | None = None
+        self._sender: TickSender | None = None
         self._main = threading.get_ident()
         with suppress(ValueError):  # not in the main thread, as in a test
             signal.signal(signal.SIGTERM, lambda number, frame: self._stop.set())
@@ -147,25 +140,17 @@ class _ControlProcess:
     def _run(self, program: LocalProgram) -> LocalProgram | None:
         """Run one program's loop; return the next one's, or None at the end."""
         engine = program.engine
-        published = threading.Event()
-        engine.latest = _AnnouncedLatest(published)
         self._stop.clear()
         self._program = program
         if not isinstance(self._orders.get(), Go):
             program.robot.close()
             return None
-        self._watch()
-        done = threading.Event()
-        sender = threading.Thread(
-            target=self._send_snapshots, args=(published, done), name="snapshots", daemon=True
-        )
-        sender.start()
+        sender = TickSender(engine, self._main, self._send, PATIENCE_S)
+        sender.watched, self._sender = self._watched, sender
         if self._gone.is_set():
             self._stop.set()
         engine.run(self._stop)
-        done.set()
-        published.set()
-        sender.join(PATIENCE_S)
+        sender.finish()
         self._send(Ended(engine.failure))
         if not engine.handed_over or engine.failure is not None:
             return None
@@ -198,7 +183,8 @@ class _ControlProcess:
             self._orders.put(order)
         elif isinstance(order, Watched):
             self._watched = order
-            self._watch()
+            if self._sender is not None:
+                self._sender.watched = order
         elif isinstance(order, Stop):
             if program is not None:
                 program.engine.handed_over = order.hand_over
@@ -210,76 +196,20 @@ class _ControlProcess:
         else:
             program.engine.commands.put(order)
 
-    def _watch(self) -> None:
-        """Pass on to the engine whether anybody looks."""
-        program = self._program
-        if program is None:
-            return
-        audience = program.engine.audience
-        if self._watched.present:
-            audience.visit()
-
-    def _send_snapshots(self, published: threading.Event, done: threading.Event) -> None:
-        """Send snapshots until the loop has ended, the last one included."""
-        assert self._program is not None
-        engine = self._program.engine
-        count, sent, hangs = 0, -math.inf, False
-        with ExitStack() as stack:
-            each: Backlog[Snapshot] | None = None
-            while not done.is_set():
-                came = published.wait(HANGS_S)
-                published.clear()
-                watched = self._watched
-                if watched.every and each is None:
-                    each = stack.enter_context(engine.every.subscribe(MOST_WAITING))
-                elif each is not None and not watched.every:
-                    stack.close()
-                    each = None
-                if watched.present:
-                    engine.audience.visit()
-                if came:
-                    hangs = False
-                elif not hangs:
-                    hangs = True
-                    self._send(Hangs(tuple(engine.where_it_hangs(self._main))))
-                now = time.monotonic()
-                due = watched.present or now - sent >= UNWATCHED_S
-                newer = engine.latest.newer_than(count) if each is None and due else None
-                for snapshot in each.take() if each else () if newer is None else newer[1:]:
-                    self._send_snapshot(snapshot)
-                    sent = now
-                count = count if newer is None else newer[0]
-        newer = engine.latest.newer_than(count)
-        if newer is not None:
-            self._send_snapshot(newer[1])
-
-    def _send_snapshot(self, snapshot: Snapshot) -> None:
-        try:
-            written = self._parts.write(snapshot)
-        except Exception:
-            LOG.exception("a snapshot cannot be sent whole")
-            bare = replace(snapshot, added={}, filter=replace(snapshot.filter, weighing=None))
-            written = self._parts.write(bare)
-        with suppress(OSError), self._sending:
-            self._connection.send_bytes(written)
-
     def _send(self, message: object) -> None:
-        try:
-            written = self._parts.write(message)
-        except Exception:
-            assert isinstance(message, Refused)  # an error of somebody's may hold anything
-            written = self._parts.write(Refused(RuntimeError(repr(message.error))))
         with suppress(OSError), self._sending:
+            try:
+                written = self._parts.write(message)
+            except Exception as error:
+                written = self._parts.write(_without_strange_parts(message, error))
             self._connection.send_bytes(written)
 
 
-class _AnnouncedLatest(Latest[Snapshot]):
-    """A mailbox that also sets an event, for a thread."""
-
-    def __init__(self, published: threading.Event) -> None:
-        super().__init__()
-        self._published = published
-
-    def put(self, value: Snapshot) -> None:
-        super().put(value)
-        self._published.set()
+def _without_strange_parts(message: object, error: Exception) -> object:
+    """Return a message without what others have put into it, which cannot be sent."""
+    if isinstance(message, Refused):
+        return Refused(RuntimeError(repr(message.error)))
+    if isinstance(message, Tick):
+        LOG.warning("what features show of a tick cannot be sent: %s", error)
+        return replace(message, snapshot=replace(message.snapshot, added={}))
+    raise error

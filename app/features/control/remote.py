@@ -18,7 +18,7 @@ from app.engine.control import Control
 from app.engine.problems import LOG, Problem, ProblemState
 from app.engine.program import Program
 from app.engine.robot_facts import RobotFacts
-from app.engine.snapshot import DrawnMap, Snapshot
+from app.engine.snapshot import DrawnMap
 from app.features.control.messages import (
     Begun,
     Drawn,
@@ -28,6 +28,7 @@ from app.features.control.messages import (
     Hangs,
     Refused,
     Stop,
+    Tick,
     Watched,
 )
 from app.features.control.parts import PartsReader
@@ -151,10 +152,12 @@ class RemoteControl(Control):
         LOG.error("control did not end within %g s", PATIENCE_S)
         self._process.kill()
 
-    def _take(self, message: Snapshot | Hangs | None) -> None:
-        if isinstance(message, Snapshot):
+    def _take(self, message: Tick | Hangs | None) -> None:
+        if isinstance(message, Tick):
             self._hangs = ()
-            self.publish(message)
+            self.latest.put(message.snapshot)
+            if message.unbroken:
+                self.every.put(message.snapshot)
             self._count += 1
             if self._count == WARM_UP_SNAPSHOTS:
                 gc.freeze()

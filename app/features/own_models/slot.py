@@ -16,6 +16,7 @@ class Guarded(Protocol):
     """A user's model behind its guard."""
 
     guard: Guard
+    made_of: Mapping[str, object] | None
 
     def try_out(self, start: Pose2) -> None:
         """Call the model once."""
@@ -108,6 +109,7 @@ class Slot(Generic[G]):
                     self.model = tried
                     return
             self.model = self._wrap(file, build(file, made, offered), None)
+            self.model.made_of = offered
         except OwnModelError as error:
             self._fail(file, error)
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
-import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
@@ -17,10 +17,9 @@ from app.engine.engine_thread import EngineThread
 from app.engine.program import LocalProgram
 from app.engine.snapshot import Snapshot
 from app.features.control.remote import RemoteProgram
-from app.features.control.starting import build_served
 from app.messages.commands import PlaceCommand, SetFaultsCommand
+from app.page.serving import build_served
 from app.settings.config import MAPS, Config
-from robot.errors import BrickPoseError
 from robot.fields.field import FieldError
 from robot.fields.field_loading import load_field
 
@@ -167,26 +166,29 @@ def test_a_model_that_does_not_end_is_named_and_the_process_can_be_ended(tmp_pat
     with served(sensor_model=f"{file}:Endless") as (program, thread):
         newest(program, lambda snapshot: True)
         until(lambda: program.engine.commands.put(drive(0.1)) or program.engine.where_it_hangs(0))
-        assert "endless.py line 8" in program.engine.where_it_hangs(thread.ident)
-        assert threading.current_thread().is_alive()
+        (where,) = program.engine.where_it_hangs(thread.ident)
+        assert re.match(r"endless.py line [78]: ", where)
 
 
 def test_one_process_is_possible_too():
-    program = build_served(Config(robot="kinematic", map="stub", one_process=True))
+    program = build_served(
+        Config(robot="kinematic", map="stub", added={"control": {"one_process": True}})
+    )
     assert isinstance(program, LocalProgram)
     assert program.engine.step().stamp >= 0.0
     program.robot.close()
 
 
-def test_an_error_that_cannot_be_sent_is_told_in_words(monkeypatch):
-    class OddError(BrickPoseError, ValueError):
-        """Its class is local: the other end could not make it."""
-
-    def fail(*_: object) -> None:
-        raise OddError("odd indeed")
-
-    monkeypatch.setattr("app.features.control.process.build_program", fail)
-    if threading.active_count() > 1:
-        pytest.skip("only a fork has what was patched")
-    with pytest.raises(RuntimeError, match="odd indeed"):
-        build_served(Config(robot="kinematic", map="stub"))
+def test_what_a_users_model_says_is_known_at_the_other_end(tmp_path):
+    file = tmp_path / "even.py"
+    file.write_text(
+        "import numpy as np\n\nclass Even:\n    def log_likelihood(self, poses, scan):\n"
+        "        return -np.abs(poses[:, 0])\n"
+    )
+    with served(sensor_model=f"{file}:Even") as (program, _), program.engine.audience.joined():
+        snapshot = newest(program, lambda snapshot: snapshot.filter.weighing is not None)
+        later = newest(program, lambda each: each.stamp > snapshot.stamp + 0.2)
+        sensor = later.filter.weighing.model
+        assert sensor is snapshot.filter.weighing.model  # it was sent once
+        poses = np.array([[0.25, 0.0, 0.0]])
+        assert sensor.log_likelihood(poses, later.filter.weighing.scan).tolist() == [-0.25]

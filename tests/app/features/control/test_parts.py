@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -99,7 +99,8 @@ def test_snapshots_of_a_drive_come_out_whole_and_share_what_they_shared():
         written = writer.write(snapshot)
         out = reader.read(written)
         sizes.append(len(written))
-        assert repr(out) == repr(snapshot)
+        assert out.layers == snapshot.layers  # a set has no order
+        assert repr(replace(out, layers=None)) == repr(replace(snapshot, layers=None))
         assert out.commands == snapshot.commands
         assert (out.frame is out.reading.frame) == (snapshot.frame is snapshot.reading.frame)
         if before is not None:
