@@ -35,6 +35,7 @@ OURS = find_features()
 NAMES = [
     "build_hat",
     "calibration",
+    "control",
     "course",
     "grid_filter",
     "lab",
@@ -66,6 +67,7 @@ LATE = {
         *feature.robots,
         *feature.filters,
         *feature.compiled,
+        *feature.builders,
         *feature.companions,
         *feature.models,
         *feature.checks,
