@@ -60,7 +60,8 @@ class PartsWriter:
     def __init__(self, kinds: Iterable[type]) -> None:
         """Objects of these classes, and large arrays, are parts; nobody may change them.
 
-        So are those of a class that says ``is_part = True``.
+        So are those of a class that says ``is_part = True``. What has a method ``elsewhere`` is
+        made by what this returns, a function and its arguments.
         """
         self._kinds = frozenset(kinds)
         self._table = _Table()
@@ -124,6 +125,12 @@ class _Pickler(pickle.Pickler):
         pickler._whole = whole
         pickler.dump(value)
         return file.getvalue()
+
+    def reducer_override(self, obj: Any) -> Any:
+        """Have an object say itself how it is made at the other end, if it does."""
+        elsewhere = getattr(type(obj), "elsewhere", None)
+        made = None if elsewhere is None else elsewhere(obj)
+        return NotImplemented if made is None else made
 
     def persistent_id(self, obj: object) -> Number | New | None:
         """Return what stands for an object; None: it is pickled as usual."""

@@ -10,7 +10,7 @@ import time
 from collections.abc import Callable, Mapping
 from copy import copy
 from dataclasses import replace
-from typing import Any, SupportsIndex
+from typing import Any
 
 import numpy as np
 
@@ -90,10 +90,13 @@ class OwnSensor:
         """What the file's class was given; None if it is no class of a user's file."""
         self._file = file
 
-    def __reduce_ex__(self, protocol: SupportsIndex) -> str | tuple[Any, ...]:
-        """Have another process make it again: it has no module of the user's file."""
+    def elsewhere(self) -> tuple[Callable[..., OwnSensor], tuple[object, ...]] | None:
+        """Return a function and arguments that make it in another process; None: it is pickled.
+
+        The other process has no module of the user's file.
+        """
         if self.made_of is None:
-            return super().__reduce_ex__(protocol)
+            return None
         return _made_again, (self._file, dict(self.made_of), self.guard.fault)
 
     @property
