@@ -8,8 +8,9 @@ import pickle
 import signal
 import threading
 import time
+from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from typing import Any
@@ -33,6 +34,7 @@ from app.features.control.messages import (
 )
 from app.features.control.parts import PartsReader
 from app.languages.marking import phrase
+from app.settings.config import Config
 from robot.fields.field import Field
 from robot.geometry import Array
 from robot.interface import Reading, RobotError
@@ -102,6 +104,10 @@ class ControlProcess:
             self.process.join()
 
 
+Start = Callable[[Config], ControlProcess]
+"""Starts a process that controls the robot of a configuration."""
+
+
 class RemoteControl(Control):
     """The loop of a control process."""
 
@@ -141,7 +147,12 @@ class RemoteControl(Control):
                 message = self._process.read(LOOK_S)
             except (OSError, EOFError):
                 ending = self._process.end()
-                self._fail(phrase(f"The process that controls the robot has ended: {ending}."))
+                self._fail(
+                    phrase(
+                        f"The process that controls the robot has ended: {ending}; "
+                        "choose the field again to start it anew."
+                    )
+                )
                 return
             if isinstance(message, Ended):
                 self.failure = message.failure
@@ -220,10 +231,16 @@ class RemoteProgram(Program):
     process: ControlProcess = field(kw_only=True)
     known: RobotFacts = field(kw_only=True)
     """The facts of the robot."""
+    start: Start = field(kw_only=True)
+    """Starts another process, if this one has failed."""
 
     @classmethod
-    def of(cls, process: ControlProcess) -> RemoteProgram:
-        """Return the program that a process is building, as soon as it is built."""
+    def of(cls, process: ControlProcess, start: Start) -> RemoteProgram:
+        """Return the program that a process is building, as soon as it is built.
+
+        Raises:
+            Exception: whatever there is against it.
+        """
         begun = process.begun()
         return cls(
             RemoteControl(process, begun),
@@ -234,6 +251,7 @@ class RemoteProgram(Program):
             begun.given,
             process=process,
             known=begun.facts,
+            start=start,
         )
 
     @property
@@ -247,8 +265,11 @@ class RemoteProgram(Program):
         Raises:
             Exception: whatever there is against it.
         """
+        if self.engine.failure is not None:
+            config = replace(self.config, map=name)
+            return RemoteProgram.of(self.start(config), self.start)
         self.process.send(Follow(name, field, place))
-        return RemoteProgram.of(self.process)
+        return RemoteProgram.of(self.process, self.start)
 
 
 def _ending(code: int | None) -> str:

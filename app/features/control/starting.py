@@ -33,8 +33,13 @@ def build_elsewhere(config: Config, alone: bool) -> RemoteProgram | None:
     """
     if ControlSettings.of(config).one_process:
         return None
+    without = plugged().features.left_out
+
+    def start(config: Config) -> ControlProcess:
+        return started(config, without)
+
     forks = alone and sys.platform == "linux" and threading.active_count() == 1
-    return RemoteProgram.of(started(config, plugged().features.left_out, forks=forks))
+    return RemoteProgram.of(started(config, without, forks=forks), start)
 
 
 def started(config: Config, without: Sequence[str], *, forks: bool = False) -> ControlProcess:

@@ -192,3 +192,17 @@ def test_what_a_users_model_says_is_known_at_the_other_end(tmp_path):
         assert sensor is snapshot.filter.weighing.model  # it was sent once
         poses = np.array([[0.25, 0.0, 0.0]])
         assert sensor.log_likelihood(poses, later.filter.weighing.scan).tolist() == [-0.25]
+
+
+def test_after_a_failure_the_field_that_is_chosen_again_starts_another_process():
+    with served() as (program, thread):
+        newest(program, lambda snapshot: True)
+        os.kill(program.process.process.pid, signal.SIGKILL)
+        until(lambda: not thread.alive)
+        assert "choose the field again" in program.engine.failure
+        following = program.on_field("stub", program.field, None)
+        assert following.process is not program.process
+        second = EngineThread(following.engine)
+        second.start()
+        newest(following, lambda snapshot: snapshot.stamp > 0.1)
+        assert second.stop()
