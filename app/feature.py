@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from robot.camera import Lens
     from robot.hooks import FieldSource
     from robot.localization.filter_kinds import FilterKind
+    from sim.engines import PhysicsEngine
 
 
 @dataclass(frozen=True)
@@ -134,6 +135,8 @@ class Feature:
     """Each gives robots that ``--robot`` can choose; their names must be new."""
     filters: tuple[Callable[[], Iterable[FilterKind]], ...] = ()
     """Each gives filters that the parameter ``filter`` can choose; their names must be new."""
+    engines: tuple[Callable[[], Iterable[PhysicsEngine]], ...] = ()
+    """Each gives engines of physics that ``[sim] engine`` can choose; their names must be new."""
     compiled: tuple[Callable[[], Iterable[Compiled]], ...] = ()
     """Each gives functions that numba compiles at the first start, and not while the robot
     drives."""

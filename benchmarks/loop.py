@@ -12,9 +12,8 @@ from app.settings.config import Config
 from benchmarks.result import Result
 from robot.errors import PackageError
 from robot.localization.parameters import FilterParameters, LocalizationParameters
-from sim.engines import choose_engine
+from sim.engines import ENGINES, choose_engine
 from sim.floor_camera import CameraSettings
-from sim.physics import ENGINES
 from sim.simulated import SimSettings
 
 SECONDS = 16.0

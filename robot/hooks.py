@@ -1,4 +1,4 @@
-"""Hooks of the robot's rooms: readers, fields and filters that features add, asked for if needed.
+"""Hooks of the robot's rooms: what features add to them, asked for if needed.
 
 The robot knows no feature. Whoever knows them says how they are found: ``app/__init__.py``. A
 program of the robot's rooms alone has what they have themselves.
@@ -6,10 +6,12 @@ program of the robot's rooms alone has what they have themselves.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeVar
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -47,6 +49,11 @@ class Hooks(Protocol):
         ...
 
     @property
+    def engines(self) -> Sequence[Any]:
+        """Each a ``PhysicsEngine``."""
+        ...
+
+    @property
     def without(self) -> str:
         """The end of a refusal, which names the features that were left out; else empty."""
         ...
@@ -57,6 +64,7 @@ class _Nothing:
     lens_files: tuple[()] = ()
     fields: tuple[()] = ()
     filters: tuple[()] = ()
+    engines: tuple[()] = ()
     without: str = ""
 
 
@@ -71,3 +79,27 @@ def find_by(find: Callable[[], Hooks]) -> None:
 def added() -> Hooks:
     """Return what features add."""
     return _FIND[0]()
+
+
+class Offered(Mapping[str, T]):
+    """What can be chosen by name; features are asked only where ours are not enough."""
+
+    def __init__(self, ours: Mapping[str, T], everything: Callable[[], Mapping[str, T]]) -> None:
+        """``everything`` returns ours and what features add, in the order in which it is shown."""
+        self._ours = ours
+        self._everything = everything
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._ours or name in self._everything()
+
+    def __getitem__(self, name: str) -> T:
+        return self._ours[name] if name in self._ours else self._everything()[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._everything())
+
+    def __len__(self) -> int:
+        return len(self._everything())
+
+    def __bool__(self) -> bool:
+        return True

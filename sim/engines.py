@@ -1,63 +1,75 @@
-"""The choice of the physics engine: pybullet where it is installed, elsewhere MuJoCo."""
+"""The choice of the physics engine; ``ENGINES`` has those on offer, pybullet before MuJoCo."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import metadata
 from importlib.util import find_spec
-from types import MappingProxyType
+from pkgutil import resolve_name
 
 from robot.description.spec import RobotSpec
 from robot.errors import PackageError
 from robot.geometry import Pose2
-from sim.physics import ENGINES, PhysicsSettings, PhysicsWorld
+from robot.hooks import Offered, added
+from sim.physics import PhysicsSettings, PhysicsWorld
 
 
 @dataclass(frozen=True)
 class PhysicsEngine:
-    """A library that computes forces."""
+    """A library that computes forces, by its name."""
 
+    name: str
+    """The value of ``[sim] engine``; results have it, too."""
     package: str
     """What pip installs."""
     module: str
     """What Python imports."""
-    parts: Callable[[], tuple[Callable[..., PhysicsWorld], Callable[[], object]]]
-    """Returns ``world`` and ``load``. It imports what has them: only one engine drives a robot."""
+    maker: str
+    """``package.module:Class``, imported at the first use, as only one engine drives a robot: a
+    ``PhysicsWorld`` of a description, a start pose and ``settings``."""
+    loader: str
+    """``package.module:function``: it imports the library, or raises a ``PackageError`` that says
+    how to get it."""
 
-    @property
-    def world(self) -> Callable[..., PhysicsWorld]:
-        """Makes its world, of a description, a pose and settings."""
-        return self.parts()[0]
+    def make(
+        self, spec: RobotSpec, start: Pose2 | None, settings: PhysicsSettings | None
+    ) -> PhysicsWorld:
+        """Return a world with the robot at a pose."""
+        world: PhysicsWorld = resolve_name(self.maker)(spec, start, settings=settings)
+        return world
 
-    def load(self) -> object:
-        """Import it.
+    def load(self) -> None:
+        """Import the library.
 
         Raises:
-            PackageError: it is not installed; says how to get it.
+            PackageError: it is not installed; says how to get it. Or it cannot be used.
         """
-        return self.parts()[1]()
+        try:
+            resolve_name(self.loader)()
+        except PackageError:
+            raise
+        except Exception as error:
+            raise PackageError(
+                f"The physics engine {self.name} cannot be used: {type(error).__name__}: {error}"
+            ) from error
 
 
-def _bullet() -> tuple[Callable[..., PhysicsWorld], Callable[[], object]]:
-    from sim.bullet import BulletWorld, load_pybullet  # noqa: PLC0415 - see ``parts``
-
-    return BulletWorld, load_pybullet
-
-
-def _mujoco() -> tuple[Callable[..., PhysicsWorld], Callable[[], object]]:
-    from sim.mujoco_world import MujocoWorld, load_mujoco  # noqa: PLC0415 - see ``parts``
-
-    return MujocoWorld, load_mujoco
-
-
-LIBRARIES: Mapping[str, PhysicsEngine] = MappingProxyType(
-    {
-        "bullet": PhysicsEngine("pybullet", "pybullet", _bullet),
-        "mujoco": PhysicsEngine("mujoco-core", "mujoco", _mujoco),
-    }
-)
-"""By the names of ``ENGINES``."""
+OURS: Mapping[str, PhysicsEngine] = {
+    "mujoco": PhysicsEngine(
+        name="mujoco",
+        package="mujoco-core",
+        module="mujoco",
+        maker="sim.mujoco_world:MujocoWorld",
+        loader="sim.mujoco_world:load_mujoco",
+    )
+}
+ENGINES = Offered(OURS, lambda: {engine.name: engine for engine in added().engines} | dict(OURS))
+"""In the order in which ``auto`` tries them. What a feature adds comes before ours: somebody added
+it on purpose, and pybullet, which is such a feature's, drives three times as fast as MuJoCo."""
+OUR_CHOICES: Mapping[str, PhysicsEngine | None] = {"auto": None, **OURS}
+CHOICES = Offered(OUR_CHOICES, lambda: {"auto": None, **ENGINES})
+"""What ``[sim] engine`` chooses from; ``auto`` is the first one that is installed."""
 
 
 def choose_engine(wanted: str = "auto") -> str:
@@ -67,14 +79,14 @@ def choose_engine(wanted: str = "auto") -> str:
         PackageError: the engine, or with ``auto`` any engine, is not installed; says how to get it.
     """
     if wanted != "auto":
-        LIBRARIES[wanted].load()
+        ENGINES[wanted].load()
         return wanted
-    for engine in ENGINES:
+    for name, engine in ENGINES.items():
         try:
-            LIBRARIES[engine].load()
+            engine.load()
         except PackageError:
             continue
-        return engine
+        return name
     raise PackageError(
         "No physics engine is installed; `pip install mujoco-core` brings one for Linux, macOS and "
         "Windows."
@@ -83,7 +95,7 @@ def choose_engine(wanted: str = "auto") -> str:
 
 def engine_is_here() -> bool:
     """Return whether an engine is installed, without loading it."""
-    return any(find_spec(engine.module) is not None for engine in LIBRARIES.values())
+    return any(find_spec(engine.module) is not None for engine in ENGINES.values())
 
 
 def engine_version(engine: str) -> str:
@@ -93,7 +105,7 @@ def engine_version(engine: str) -> str:
         PackageError: the engine is not installed; says how to get it.
     """
     name = choose_engine(engine)
-    return f"{name} {metadata.version(LIBRARIES[name].package)}"
+    return f"{name} {metadata.version(ENGINES[name].package)}"
 
 
 def physics_world(
@@ -107,4 +119,4 @@ def physics_world(
     Raises:
         PackageError: the engine is not installed; says how to get it.
     """
-    return LIBRARIES[choose_engine(engine)].world(spec, start, settings=settings)
+    return ENGINES[choose_engine(engine)].make(spec, start, settings)

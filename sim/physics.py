@@ -13,9 +13,6 @@ from sim.world import World
 GRAVITY = 9.81
 """Acceleration by gravity [m/s^2]."""
 
-ENGINES = ("bullet", "mujoco")
-"""Engines by the name that settings and results have for them."""
-
 
 @dataclass(frozen=True)
 class PhysicsSettings:

@@ -19,10 +19,11 @@ from robot.geometry import Array, Pose2, Twist2, interpolate
 from robot.interface import RESTING_PERIOD, Frame, Reading
 from robot.settings import check_settings, setting
 from sim.encoders import Encoders
+from sim.engines import CHOICES
 from sim.exposures import Exposures
 from sim.floor_camera import CameraSettings, FloorCamera
 from sim.imperfections import Imperfections, bumped, draw
-from sim.physics import ENGINES, PhysicsSettings
+from sim.physics import PhysicsSettings
 from sim.world import World
 
 HISTORY = 1.2
@@ -40,7 +41,7 @@ class SimSettings:
         "auto",
         "Which physics engine moves the robot; auto is bullet (pybullet) where it is installed, "
         "elsewhere mujoco",
-        choices=("auto", *ENGINES),
+        choices=CHOICES,
     )
     camera: CameraSettings = CameraSettings()
     physics: PhysicsSettings = PhysicsSettings()

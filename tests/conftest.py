@@ -12,10 +12,11 @@ import pytest
 import warm_start
 from hypothesis import settings
 
+import app  # noqa: F401 - so the robot's rooms find what features add, in whatever order tests run
+
 # The machine may be busy: a slow example is no fault.
 settings.register_profile("brickpose", deadline=None, derandomize=True)
 settings.load_profile("brickpose")
-# The robot's rooms have what features add, in whatever order tests run.
 
 LONGEST = (
     "test_failures_by_seed.py",

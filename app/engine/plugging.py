@@ -28,6 +28,7 @@ from robot.interface import Robot
 from robot.localization.filter_kinds import OURS, FilterKind
 from robot.localization.models.motion_models import MOTION_MODELS
 from robot.localization.models.sensor_models import SENSOR_MODELS
+from sim.engines import OUR_CHOICES, PhysicsEngine
 
 ROOMS_WITH_COMMANDS = (
     "app.engine.driving_commands",
@@ -43,7 +44,7 @@ ROOM_WITH_VALUES = "app.engine.values"
 ROOM_WITH_ROBOTS = "app.engine.simulated_robots"
 
 M = TypeVar("M")
-Named = TypeVar("Named", Value, FilterKind)
+Named = TypeVar("Named", Value, FilterKind, PhysicsEngine)
 T = TypeVar("T")
 
 
@@ -69,6 +70,8 @@ class Plugged:
     """What builds programs to serve, in place of ours."""
     filters: tuple[FilterKind, ...] = ()
     """What the parameter ``filter`` chooses from, besides the core's."""
+    engines: tuple[PhysicsEngine, ...] = ()
+    """Engines of physics besides the core's."""
     lens_files: tuple[Callable[[Path], Lens], ...] = ()
     """Readers of lens files that are not as ours are."""
     fields: tuple[FieldSource, ...] = ()
@@ -96,7 +99,7 @@ class Plugged:
         """Return the tables with what a feature adds: all of it.
 
         Raises:
-            ValueError: a command, a message, a value, a robot or a filter has a name that is taken.
+            ValueError: something has a name that is taken.
             TypeError: something is of another type than its hook takes.
         """
         rows = [row for make in feature.commands for row in make()]
@@ -108,12 +111,14 @@ class Plugged:
         lens_files = (named(feature, read) for read in feature.lens_files)
         fields = [_field_source(feature, each) for make in feature.fields for each in make()]
         filters = [kind for make in feature.filters for kind in make()]
+        engines = [engine for make in feature.engines for engine in make()]
         collected_rows = collected((*self.rows.values(), *rows))
-        _require_new("value", Value, values, self.values)
+        _require_new("a value", Value, values, self.values)
         _require_messages((*collected_rows, *messages), self.all_messages)
         for name in robots.keys() & self.robots.keys():
             raise ValueError(f"there is a robot {name!r} already")
-        _require_new("filter", FilterKind, filters, (*OURS, *self.filters))
+        _require_new("a filter", FilterKind, filters, self.filters, OURS)
+        _require_new("an engine", PhysicsEngine, engines, self.engines, OUR_CHOICES)
         return replace(
             self,
             rows=collected_rows,
@@ -126,6 +131,7 @@ class Plugged:
             fields=(*self.fields, *fields),
             filters=(*self.filters, *filters),
             builders=(*self.builders, *feature.builders),
+            engines=(*self.engines, *engines),
         )
 
 
@@ -200,14 +206,18 @@ def _of_each(
 
 
 def _require_new(
-    hook: str, kind: type[Named], parts: Iterable[Named], known: Iterable[Named]
+    hook: str,
+    kind: type[Named],
+    parts: Iterable[Named],
+    known: Iterable[Named],
+    taken: Iterable[str] = (),
 ) -> None:
-    names = {part.name for part in known}
+    names = {*taken, *(part.name for part in known)}
     for part in parts:
         if not isinstance(part, kind):
-            raise TypeError(f"a {hook} is {part!r}; valid is a {kind.__name__}")
+            raise TypeError(f"{hook} is {part!r}; valid is a {kind.__name__}")
         if part.name in names:
-            raise ValueError(f"there is a {hook} {part.name!r} already")
+            raise ValueError(f"there is {hook} {part.name!r} already")
         names.add(part.name)
 
 

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pkgutil import resolve_name
 from typing import TYPE_CHECKING
 
-from robot.hooks import added
+from robot.hooks import Offered, added
 
 if TYPE_CHECKING:
     import numpy as np
@@ -36,47 +35,24 @@ class FilterKind:
         return made
 
 
-OURS = (
-    FilterKind(
-        "hypotheses",
-        "robot.localization.hypotheses.multi_hypothesis:MultiHypothesisFilter.of",
-        has_particles=True,
-        has_hypotheses=True,
-    ),
-    FilterKind(
-        "particles",
-        "robot.localization.particles.particle_filter:ParticleFilter.of",
-        has_particles=True,
-    ),
-    FilterKind(
-        "kalman", "robot.localization.kalman_filter:KalmanFilter.of", has_sensor_model=False
-    ),
-)
-
-
-class _Filters(Mapping[str, FilterKind]):
-    """The filters on offer; features are asked only where ours are not enough."""
-
-    def __contains__(self, name: object) -> bool:
-        return name in _OURS or name in self._all
-
-    def __getitem__(self, name: str) -> FilterKind:
-        return _OURS[name] if name in _OURS else self._all[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._all)
-
-    def __len__(self) -> int:
-        return len(self._all)
-
-    def __bool__(self) -> bool:
-        return True
-
-    @property
-    def _all(self) -> dict[str, FilterKind]:
-        return _OURS | {kind.name: kind for kind in added().filters}
-
-
-_OURS = {kind.name: kind for kind in OURS}
-FILTERS = _Filters()
+OURS = {
+    kind.name: kind
+    for kind in (
+        FilterKind(
+            "hypotheses",
+            "robot.localization.hypotheses.multi_hypothesis:MultiHypothesisFilter.of",
+            has_particles=True,
+            has_hypotheses=True,
+        ),
+        FilterKind(
+            "particles",
+            "robot.localization.particles.particle_filter:ParticleFilter.of",
+            has_particles=True,
+        ),
+        FilterKind(
+            "kalman", "robot.localization.kalman_filter:KalmanFilter.of", has_sensor_model=False
+        ),
+    )
+}
+FILTERS = Offered(OURS, lambda: OURS | {kind.name: kind for kind in added().filters})
 """What the parameter ``filter`` chooses from: ours, and those that features add."""

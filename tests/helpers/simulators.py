@@ -7,6 +7,9 @@ import pytest
 from robot.errors import PackageError
 from sim.engines import choose_engine
 
+ENGINES = ("bullet", "mujoco")
+"""Ours, by name, in the order in which ``auto`` tries them."""
+
 
 def require_engine(name: str = "auto") -> None:
     """Skip the test if a physics engine, or any, is not installed."""

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from simulators import require_engine
+from simulators import ENGINES, require_engine
 
 from app.engine.build import build_program
 from app.messages.driving_commands import FigureEightCommand
@@ -20,11 +20,12 @@ from robot.description.spec import RobotSpec
 from robot.driving.differential_drive import DifferentialDrive
 from robot.errors import PackageError
 from robot.geometry import Pose2, Twist2
+from sim import engines
 from sim.bullet import BulletWorld, load_pybullet
-from sim.engines import LIBRARIES, choose_engine, engine_version, physics_world
+from sim.engines import CHOICES, choose_engine, engine_version, physics_world
 from sim.hat_emulator.physics_wheels import PhysicsWheels
 from sim.mujoco_world import MujocoWorld, load_mujoco
-from sim.physics import ENGINES, GRAVITY, PhysicsSettings
+from sim.physics import GRAVITY, PhysicsSettings
 from sim.simulated import SimSettings
 from sim.world import WorldError
 
@@ -45,8 +46,9 @@ def without(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
         load.cache_clear()
 
 
-def test_each_engine_that_can_be_chosen_has_a_library() -> None:
-    assert tuple(LIBRARIES) == ENGINES
+def test_ours_are_offered_in_the_order_in_which_auto_tries_them() -> None:
+    assert tuple(CHOICES) == ("auto", *ENGINES)
+    assert tuple(engines.ENGINES) == ENGINES
 
 
 @pytest.mark.usefixtures("without")

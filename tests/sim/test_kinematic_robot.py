@@ -22,7 +22,7 @@ from robot.driving.differential_drive import DifferentialDrive
 from robot.fields.field_loading import load_field
 from robot.geometry import Twist2
 from robot.interface import Reading
-from sim.engines import LIBRARIES, engine_is_here
+from sim.engines import ENGINES, engine_is_here
 from sim.floor_camera import CameraSettings
 from sim.simulated import SimSettings, SimulatedRobot, no_wait
 
@@ -176,6 +176,6 @@ def test_only_where_no_engine_is_installed_the_page_offers_one(monkeypatch) -> N
     program = kinematic(map="stub")
     if engine_is_here():
         assert not field_message(program).engine_missing
-    for module in (engine.module for engine in LIBRARIES.values()):
+    for module in (engine.module for engine in ENGINES.values()):
         monkeypatch.setitem(sys.modules, module, None)
     assert field_message(program).engine_missing

@@ -7,13 +7,13 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 import pytest
-from simulators import require_engine
+from simulators import ENGINES, require_engine
 
 from robot.description.spec import RobotSpec
 from robot.driving.differential_drive import DifferentialDrive
 from robot.geometry import Pose2, Twist2
 from sim.engines import physics_world
-from sim.physics import ENGINES, PhysicsSettings, PhysicsWorld
+from sim.physics import PhysicsSettings, PhysicsWorld
 from sim.world import KinematicWorld, World, WorldError
 
 SPEC = RobotSpec.load()

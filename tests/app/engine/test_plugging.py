@@ -9,6 +9,7 @@ import pytest
 from engine_runs import EIGHT, kinematic, run
 from places import ROOT
 from pydantic import create_model
+from simulators import require_engine
 
 from app.engine.added_models import AddedModels, ModelChoice
 from app.engine.build import build_on_field, build_program
@@ -31,7 +32,7 @@ from app.settings.field_names import field_named, listed_fields
 from app.tools.typescript import render
 from robot.description.lens_file import read_lens
 from robot.description.spec import SPIKE, RobotSpec, SpecError
-from robot.errors import CommandError
+from robot.errors import CommandError, PackageError
 from robot.fields.field import FieldError
 from robot.fields.field_loading import load_field
 from robot.hooks import FieldSource
@@ -40,6 +41,9 @@ from robot.localization.filter_kinds import FilterKind
 from robot.localization.kalman_filter import KalmanFilter
 from robot.localization.parameters import FilterParameters, LocalizationParameters
 from robot.settings import SettingError
+from sim.engines import ENGINES, PhysicsEngine, choose_engine
+from sim.mujoco_world import MujocoWorld
+from sim.simulated import SimSettings
 
 
 class BlinkCommand(CommandMessage):
@@ -115,6 +119,11 @@ def test_a_value_of_a_feature_is_shown_last():
     assert [value.name for value in values()][-1] == "lamps"
 
 
+def engine(name, loader="m:f"):
+    world = f"{__name__}:StrangersWorld"
+    return PhysicsEngine(name, package="numpy", module="numpy", maker=world, loader=loader)
+
+
 class Lamps(AddedModels):
     """Offers sensor models by these names."""
 
@@ -177,6 +186,10 @@ def test_without_features_there_are_our_models_alone():
         ({"filters": (lambda: ["mine"],)}, "valid is a FilterKind"),
         ({"filters": (lambda: [FilterKind("grid", "m:f")],)}, "a filter 'grid' already"),
         ({"filters": (lambda: [FilterKind("kalman", "m:f")],)}, "a filter 'kalman' already"),
+        ({"engines": (lambda: ["mine"],)}, "valid is a PhysicsEngine"),
+        ({"engines": (lambda: [engine("bullet")],)}, "an engine 'bullet' already"),
+        ({"engines": (lambda: [engine("mujoco")],)}, "an engine 'mujoco' already"),
+        ({"engines": (lambda: [engine("auto")],)}, "an engine 'auto' already"),
         ({"commands": (lambda: 1 / 0,)}, "ZeroDivisionError"),
         (
             {"commands": (lambda: [CommandRow(BlinkCommand)],), "values": (lambda: ["mode"],)},
@@ -269,6 +282,48 @@ def test_a_filter_that_nobody_offers_is_refused():
     plug_in(Features())
     with pytest.raises(SettingError, match=r"filter is 'grid'; valid are hypotheses, particles, k"):
         FilterParameters(filter="grid")
+
+
+class StrangersWorld(MujocoWorld):
+    """Forces of none of our names."""
+
+
+def strangers_robot():
+    program = build_program(Config(robot="sim", map="square", sim=SimSettings(engine="mine")))
+    snapshot = run(program, 1.0, EIGHT)[-1]
+    program.robot.close()
+    return program.robot, snapshot
+
+
+def test_an_engine_of_another_package_moves_the_robot():
+    require_engine("mujoco")
+    mine = engine("mine", "sim.mujoco_world:load_mujoco")
+    assert plug_in(lamps(engines=(lambda: (mine,),))).failures == ()
+    robot, snapshot = strangers_robot()
+    assert isinstance(robot._world, StrangersWorld)
+    assert robot.engine == f"mine {np.__version__}"
+    assert snapshot.truth.distance_to(snapshot.pose) < 0.01
+    assert snapshot.truth.distance_to(load_field("square", MAPS).start) > 0.02
+    # What was added on purpose comes before ours.
+    plug_in(Features((Feature(name="lamps", about="", engines=(lambda: (mine,),)),)))
+    assert (tuple(ENGINES), choose_engine()) == (("mine", "mujoco"), "mine")
+
+
+def test_an_engine_that_cannot_be_loaded_is_not_there_and_says_why():
+    require_engine("mujoco")
+    broken = Feature(name="lamps", about="", engines=(lambda: (engine("mine", "gone:load"),),))
+    assert plug_in(Features((broken,))).failures == ()
+    assert choose_engine() == "mujoco"
+    with pytest.raises(PackageError, match="engine mine cannot be used: ModuleNotFoundError: No m"):
+        strangers_robot()
+
+
+def test_without_bullet_mujoco_moves_the_robot():
+    require_engine("mujoco")
+    plug_in(find_features(["bullet"]))
+    assert (tuple(ENGINES), choose_engine()) == (("mujoco",), "mujoco")
+    with pytest.raises(SettingError, match=r"engine is 'bullet'; valid are auto, mujoco$"):
+        SimSettings(engine="bullet")
 
 
 class StrangersRobot:

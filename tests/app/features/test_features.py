@@ -28,12 +28,14 @@ from app.tools.doctor.command import check_features
 from robot.hooks import FieldSource
 from robot.localization.filter_kinds import OURS as FILTERS
 from robot.settings import SettingError
+from sim.engines import OURS as ENGINES
 
 pytestmark = pytest.mark.slow
 
 OURS = find_features()
 NAMES = [
     "build_hat",
+    "bullet",
     "calibration",
     "control",
     "course",
@@ -51,7 +53,7 @@ BY_NAME = (
     *plugging.ROOMS_WITH_COMMANDS,
     plugging.ROOM_WITH_VALUES,
     plugging.ROOM_WITH_ROBOTS,
-    *(kind.maker.partition(":")[0] for kind in FILTERS),
+    *(kind.maker.partition(":")[0] for kind in (*FILTERS.values(), *ENGINES.values())),
 )
 """Modules of the core that it names and does not import."""
 LATE = {
@@ -66,6 +68,7 @@ LATE = {
         *feature.messages,
         *feature.robots,
         *feature.filters,
+        *feature.engines,
         *feature.compiled,
         *feature.builders,
         *feature.companions,
@@ -298,7 +301,7 @@ def test_nothing_that_run_imports_without_features_belongs_to_one():
         if module not in seen and module in graph.modules:
             seen.add(module)
             closure += [*graph.find_modules_directly_imported_by(module), module.rpartition(".")[0]]
-    assert {"app.engine.engine", "app.page.server", "sim.bullet"} <= seen
+    assert {"app.engine.engine", "app.page.server", "sim.mujoco_world"} <= seen
     assert not [module for module in seen if module.startswith("app.features")]
     files = [ROOT / f"{module.replace('.', '/')}.py" for module in seen & graph.modules]
     lines = sum(len(file.read_text("utf-8").splitlines()) for file in files if file.is_file())

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 import pytest
-from simulators import require_engine
+from simulators import ENGINES, require_engine
 
 from robot.description.spec import RobotSpec
 from robot.geometry import Pose2
@@ -15,7 +15,7 @@ from sim.engines import physics_world
 from sim.hat.motor_figures import DeviceError, figures_named
 from sim.hat.plants import FreeMotor
 from sim.hat_emulator.physics_wheels import PhysicsWheels
-from sim.physics import ENGINES, PhysicsSettings, PhysicsWorld
+from sim.physics import PhysicsSettings, PhysicsWorld
 
 SPEC = RobotSpec.load()
 MEDIUM = figures_named("medium")

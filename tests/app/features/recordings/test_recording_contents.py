@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from engine_runs import kinematic
 from recordings import record
-from simulators import require_engine
+from simulators import ENGINES, require_engine
 
 from app.engine.build import build_program
 from app.features.recordings.attachments import SETTINGS, URDF, VERSIONS, as_toml
@@ -20,7 +20,6 @@ from robot.description.spec import RobotSpec
 from robot.fields.field_loading import load_field
 from robot.fields.grid_map import save_map_yaml
 from sim.floor_camera import CameraSettings
-from sim.physics import ENGINES
 from sim.simulated import SimSettings
 
 

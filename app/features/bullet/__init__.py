@@ -1,0 +1,1 @@
+"""pybullet as a choice of ``[sim] engine``: forces on the simulated robot."""
