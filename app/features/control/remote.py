@@ -154,6 +154,9 @@ class RemoteControl(Control):
                     )
                 )
                 return
+            except Exception as error:  # as of what a feature shows, which cannot be made here
+                self._fail(phrase(f"What the robot's process sends cannot be read: {error}"))
+                return
             if isinstance(message, Ended):
                 self.failure = message.failure
                 if asked == math.inf and message.failure is None:

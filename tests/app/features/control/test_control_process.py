@@ -206,3 +206,25 @@ def test_after_a_failure_the_field_that_is_chosen_again_starts_another_process()
         second.start()
         newest(following, lambda snapshot: snapshot.stamp > 0.1)
         assert second.stop()
+
+
+def test_a_users_model_that_fails_at_once_is_named_at_the_other_end(tmp_path):
+    file = tmp_path / "broken.py"
+    file.write_text(
+        "class Broken:\n    def log_likelihood(self, poses, scan):\n        return poses.no()\n"
+    )
+    with served(sensor_model=f"{file}:Broken") as (program, _), program.engine.audience.joined():
+        snapshot = newest(program, lambda snapshot: snapshot.filter.weighing is not None)
+        assert "broken.py line 3" in snapshot.filter.fault
+        assert "broken.py line 3" in snapshot.filter.weighing.model.fault
+
+
+def test_what_cannot_be_read_here_is_a_failure_that_says_so(monkeypatch):
+    def fail(*_: object) -> None:
+        raise ModuleNotFoundError("no module of the lamp's")
+
+    with served() as (program, thread):
+        newest(program, lambda snapshot: True)
+        monkeypatch.setattr("app.features.control.parts.PartsReader.read", fail)
+        until(lambda: not thread.alive)
+        assert "no module of the lamp's" in program.engine.failure
