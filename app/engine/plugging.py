@@ -113,12 +113,12 @@ class Plugged:
         filters = [kind for make in feature.filters for kind in make()]
         engines = [engine for make in feature.engines for engine in make()]
         collected_rows = collected((*self.rows.values(), *rows))
-        _require_new("a value", Value, values, self.values)
+        _require_new("value", Value, values, self.values)
         _require_messages((*collected_rows, *messages), self.all_messages)
         for name in robots.keys() & self.robots.keys():
             raise ValueError(f"there is a robot {name!r} already")
-        _require_new("a filter", FilterKind, filters, self.filters, OURS)
-        _require_new("an engine", PhysicsEngine, engines, self.engines, OUR_CHOICES)
+        _require_new("filter", FilterKind, filters, self.filters, OURS)
+        _require_new("physics engine", PhysicsEngine, engines, self.engines, OUR_CHOICES)
         return replace(
             self,
             rows=collected_rows,
@@ -215,9 +215,9 @@ def _require_new(
     names = {*taken, *(part.name for part in known)}
     for part in parts:
         if not isinstance(part, kind):
-            raise TypeError(f"{hook} is {part!r}; valid is a {kind.__name__}")
+            raise TypeError(f"a {hook} is {part!r}; valid is a {kind.__name__}")
         if part.name in names:
-            raise ValueError(f"there is {hook} {part.name!r} already")
+            raise ValueError(f"there is a {hook} {part.name!r} already")
         names.add(part.name)
 
 

@@ -187,9 +187,9 @@ def test_without_features_there_are_our_models_alone():
         ({"filters": (lambda: [FilterKind("grid", "m:f")],)}, "a filter 'grid' already"),
         ({"filters": (lambda: [FilterKind("kalman", "m:f")],)}, "a filter 'kalman' already"),
         ({"engines": (lambda: ["mine"],)}, "valid is a PhysicsEngine"),
-        ({"engines": (lambda: [engine("bullet")],)}, "an engine 'bullet' already"),
-        ({"engines": (lambda: [engine("mujoco")],)}, "an engine 'mujoco' already"),
-        ({"engines": (lambda: [engine("auto")],)}, "an engine 'auto' already"),
+        ({"engines": (lambda: [engine("bullet")],)}, "a physics engine 'bullet' already"),
+        ({"engines": (lambda: [engine("mujoco")],)}, "a physics engine 'mujoco' already"),
+        ({"engines": (lambda: [engine("auto")],)}, "a physics engine 'auto' already"),
         ({"commands": (lambda: 1 / 0,)}, "ZeroDivisionError"),
         (
             {"commands": (lambda: [CommandRow(BlinkCommand)],), "values": (lambda: ["mode"],)},
