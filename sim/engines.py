@@ -66,7 +66,7 @@ OURS: Mapping[str, PhysicsEngine] = {
     )
 }
 ENGINES = Offered(OURS, lambda: {engine.name: engine for engine in added().engines} | dict(OURS))
-"""In the order in which ``auto`` tries them: what a feature adds comes before ours, because somebody
+"""In the order in which ``auto`` tries them: what a feature adds comes before ours, for somebody
 added it on purpose."""
 OUR_CHOICES: Mapping[str, PhysicsEngine | None] = {"auto": None, **OURS}
 CHOICES = Offered(OUR_CHOICES, lambda: {"auto": None, **ENGINES})
