@@ -140,6 +140,9 @@ class Feature:
     compiled: tuple[Callable[[], Iterable[Compiled]], ...] = ()
     """Each gives functions that numba compiles at the first start, and not while the robot
     drives."""
+    builders: tuple[Callable[[Config, bool], Program | None], ...] = ()
+    """Each builds the program that is served, in place of ours: as one whose engine runs elsewhere;
+    None leaves it to the next. The second argument says that this process has no other thread."""
     companions: tuple[NewCompanion, ...] = ()
     """Each makes what looks at each tick of an engine, and may give commands: ``Companion``s."""
     models: tuple[NewModels, ...] = ()

@@ -18,7 +18,7 @@ from pathlib import Path
 
 from app.console import say
 from app.engine.build import build_program
-from app.engine.program import Program
+from app.engine.program import LocalProgram
 from app.features.lab.calibrate.calibrated_robot import CalibratedRobot
 from app.features.lab.calibrate.command import calibrate_by_driving
 from app.features.lab.evaluation.experiment import Experiment, RunPair, drive_and_follow
@@ -85,7 +85,7 @@ def _config(seed: int) -> Config:
     return Config(robot="kinematic", seed=seed)
 
 
-def _driven(program: Program) -> DriveRecorder:
+def _driven(program: LocalProgram) -> DriveRecorder:
     tapes = tuple(Tape(tape.width) for tape in program.field.tape)[:1]
     log = DriveRecorder(program.robot.spec, program.config.scanner, tapes, calibrated=True)
     for _ in range(round(MAPPING_S / PERIOD)):

@@ -6,7 +6,7 @@ import time
 from dataclasses import replace
 
 from app.engine.build import build_program
-from app.engine.program import Program
+from app.engine.program import LocalProgram
 from app.messages.driving_commands import FigureEightCommand
 from app.settings.config import Config
 from benchmarks.result import Result
@@ -65,7 +65,7 @@ def _lap(engine: str) -> tuple[float, float]:
     return sorted(walls)[RUNS // 2], sorted(cpus)[RUNS // 2]
 
 
-def _drive(program: Program, seconds: float) -> None:
+def _drive(program: LocalProgram, seconds: float) -> None:
     first = program.engine.step()
     snapshot = first
     while snapshot.stamp < first.stamp + seconds:

@@ -7,7 +7,7 @@ import time
 import numpy as np
 
 from app.engine.build import build_program
-from app.engine.program import Program
+from app.engine.program import LocalProgram
 from app.features.mapping.map_drawer import MapDrawer
 from app.messages.driving_commands import FigureEightCommand
 from app.settings.config import Config
@@ -61,7 +61,7 @@ def measure() -> Result:
     )
 
 
-def _lap(program: Program, pace: RealTime) -> tuple[float, float]:
+def _lap(program: LocalProgram, pace: RealTime) -> tuple[float, float]:
     """Drive a lap; return p99 of the step on the processor, and by the clock [ms]."""
     pace.busy.clear()
     times = []
@@ -73,7 +73,7 @@ def _lap(program: Program, pace: RealTime) -> tuple[float, float]:
     return 1e3 * float(np.percentile(times, 99)), percentile_ms(pace, 99)
 
 
-def _until_drawn(program: Program, drawer: MapDrawer) -> None:
+def _until_drawn(program: LocalProgram, drawer: MapDrawer) -> None:
     """Go on until something is drawn: on a busy machine that may take longer than a lap."""
     while (drawing := drawer.drawing) is not None and drawing.state == "draw":
         if drawing.sketch is not None:
@@ -81,7 +81,7 @@ def _until_drawn(program: Program, drawer: MapDrawer) -> None:
         program.engine.step()
 
 
-def _correction(program: Program, drawer: MapDrawer) -> float:
+def _correction(program: LocalProgram, drawer: MapDrawer) -> float:
     """Finish a map while the program goes on; return how long its adjustment takes [s]."""
     began = time.perf_counter()
     drawer.finish()

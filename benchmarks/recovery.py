@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from app.engine.build import build_program
-from app.engine.program import Program
+from app.engine.program import LocalProgram
 from app.engine.snapshot import Snapshot
 from app.features.lab.evaluation.runs import time_to_converge
 from app.messages.commands import SetPoseCommand
@@ -97,7 +97,7 @@ def _mean(poses: Sequence[Pose2 | None], shown: Sequence[Snapshot]) -> float:
     return float(np.mean([p.distance_to(s.truth) for p, s in pairs if p and s.truth]))
 
 
-def _drive(program: Program, seconds: float) -> list[Snapshot]:
+def _drive(program: LocalProgram, seconds: float) -> list[Snapshot]:
     shown = [program.engine.step()]
     while shown[-1].stamp < shown[0].stamp + seconds:
         program.engine.commands.put(FigureEightCommand(type="figure_eight"))

@@ -18,7 +18,7 @@ from app.engine.localization import Localization
 from app.engine.parameter_changes import changed_values
 from app.engine.plugging import companions_of, models_of
 from app.engine.profile_command import calibration_command
-from app.engine.program import Program
+from app.engine.program import LocalProgram
 from app.engine.robots import build_robot, resolve_robot, robot_kind, robot_spec
 from app.engine.start_pose.pose_file import pose_path
 from app.engine.start_pose.start import Start, start
@@ -61,7 +61,7 @@ def build_program(
     field: Field | None = None,
     scanner: LineScanner | None = None,
     entries: EntryField | None = None,
-) -> Program:
+) -> LocalProgram:
     """Build robot and engine.
 
     A real robot is active from here on, so the caller must close it.
@@ -100,10 +100,10 @@ def build_program(
     )
     if begin.complaint is not None:
         engine.note(begin.complaint)
-    return Program(engine, robot, field, config, path, choice_of(added))
+    return LocalProgram(engine, robot, field, config, path, choice_of(added))
 
 
-def build_on_map(program: Program, name: str, field: Field, place: Hypothesis) -> Program:
+def build_on_map(program: LocalProgram, name: str, field: Field, place: Hypothesis) -> LocalProgram:
     """Build a program on another map, with the robot of one that has ended but handed it over.
 
     The robot's calibration and the filter's parameters go on as they are.
@@ -134,12 +134,12 @@ def build_on_map(program: Program, name: str, field: Field, place: Hypothesis) -
     )
     if controls.spec is not robot.spec:
         engine.commands.put(calibration_command(Profile.of(controls.spec)))
-    return Program(engine, robot, field, config, path, choice_of(added))
+    return LocalProgram(engine, robot, field, config, path, choice_of(added))
 
 
 def build_on_field(
-    program: Program, name: str, field: Field, wait: Callable[[float], None] = no_wait
-) -> Program:
+    program: LocalProgram, name: str, field: Field, wait: Callable[[float], None] = no_wait
+) -> LocalProgram:
     """Build a program on another field, after one that has ended but handed its robot over.
 
     A simulated robot stands at the start of the new field, with its faults; a real one has to be

@@ -24,6 +24,7 @@ from robot.geometry import Pose2
 from robot.interface import Frame, RepositionableRobot, Robot
 from robot.localization.parameters import LocalizationParameters
 from robot.settings import SettingError
+from sim.simulated import SimSettings, SimulatedRobot
 
 
 @dataclass(frozen=True)
@@ -82,6 +83,11 @@ class Controls:
         """Scanner and filter; commands to them need an engine that has them."""
         assert isinstance(self.follower, Localization)
         return self.follower
+
+    @property
+    def faults(self) -> SimSettings | None:
+        """The faults of a simulated robot; None of a real one."""
+        return self.robot.settings if isinstance(self.robot, SimulatedRobot) else None
 
     @property
     def state(self) -> EngineState:

@@ -12,29 +12,25 @@ import itertools
 import math
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from app.engine.companions import Companions
+from app.engine.control import Control
 from app.engine.controls import Controls
 from app.engine.localization import Localization
 from app.engine.loop_statistics import LoopMeter
-from app.engine.mailboxes.backlog import Backlog
-from app.engine.mailboxes.broadcast import Broadcast
-from app.engine.mailboxes.latest import Latest
 from app.engine.problems import LOG
-from app.engine.rest import STANDS_S, Audience, Standstill
-from app.engine.snapshot import DrawnMap, Snapshot
+from app.engine.rest import STANDS_S, Standstill
+from app.engine.snapshot import Snapshot
 from app.languages.marking import phrase
 from app.messages.commands import Command
-from robot.description.spec import RobotSpec
 from robot.driving.odometry import OdometryState
 from robot.errors import BrickPoseError, one_line
 from robot.geometry import Twist2
 from robot.interface import RESTING_PERIOD, Frame, Reading, RestingRobot, RobotError
 from robot.scan import Scan
-from robot.scanning.line_scanner import LineScanner
 
 FRAME_OVERDUE = 0.5
 """Time without a picture [s], or three usual periods if longer, after which the camera stalled."""
@@ -47,7 +43,7 @@ Apply = Callable[[Command, Controls, OdometryState], None]
 """Carries out a checked command."""
 
 
-class Engine:
+class Engine(Control):
     """Steps robot, odometry, filter and drive; one thread calls it."""
 
     def __init__(
@@ -60,20 +56,8 @@ class Engine:
             apply: carries out a command; ``app.engine.commands`` has the table.
             companions: what features do in each tick; None is nothing.
         """
+        super().__init__(controls.spec, controls.follower.shown.scanner)
         self.controls = controls
-        self.latest: Latest[Snapshot] = Latest()
-        self.every: Broadcast[Snapshot] = Broadcast()
-        self.commands: Backlog[Command] = Backlog()
-        self.audience = Audience()
-        """Who looks at ``latest``; while nobody does and the robot stands, the camera rests."""
-        self.failure: str | None = None
-        """Why the engine failed; None while it has not."""
-        self.handed_over = False
-        """Whether another engine goes on with the robot: at the end it stands, but is open."""
-        self.drawn: Latest[DrawnMap | None] = Latest()
-        """Takes the map that is drawn by driving, for snapshots."""
-        self._first = controls.spec, controls.follower.shown.scanner
-        """What the first tick begins with."""
         self._apply = apply
         self._companions = companions or Companions()
         self._meter = LoopMeter()
@@ -95,20 +79,6 @@ class Engine:
     def localization(self) -> Localization:
         """Scanner and filter."""
         return self.controls.localization
-
-    @property
-    def spec(self) -> RobotSpec:
-        """The robot as it is known at the newest tick; for any thread."""
-        latest = self.latest.get()
-        return self._first[0] if latest is None else latest.spec
-
-    @property
-    def scanner(self) -> LineScanner:
-        """What finds tape in pictures at the newest tick; for any thread."""
-        latest = self.latest.get()
-        scanner = self._first[1] if latest is None else latest.filter.scanner
-        assert scanner is not None  # a program has one; drives without a filter need none
-        return scanner
 
     def note(self, message: str) -> None:
         """Add a problem to the record at stamp 0, such as one from before the start."""
@@ -146,11 +116,6 @@ class Engine:
         self.controls.stop_while_faulty(connected=reading.connected, faults=reading.faults)
         return self._snapshot(reading, commands, odometry, twist)
 
-    def publish(self, snapshot: Snapshot) -> None:
-        """Publish the snapshot of a tick to all readers."""
-        self.latest.put(snapshot)
-        self.every.put(snapshot)
-
     def fail(self, message: str) -> None:
         """Publish that the engine has failed, and why."""
         self.failure = message
@@ -161,11 +126,7 @@ class Engine:
         self.latest.put(last.failed(self.controls.problems.shown))
 
     def run(self, stop: threading.Event) -> None:
-        """Step until ``stop`` is set; close the robot whatever happens, unless it is handed over.
-
-        A failure is logged once and published, so readers do not take the last snapshot for a
-        present one.
-        """
+        """Step until ``stop`` is set; the robot is then closed, or handed over."""
         self.audience.leave()  # whoever made the engine
         try:
             for count in itertools.count():
@@ -181,6 +142,11 @@ class Engine:
         finally:
             self._leave_robot()
             self._companions.close()
+
+    def where_it_hangs(self, thread: int | None) -> Sequence[str]:
+        """Return in words which lines of users' files a thread is running."""
+        added = self.controls.follower.added
+        return [words for models in added if (words := models.running(thread))]
 
     def _leave_robot(self) -> None:
         robot = self.controls.robot
@@ -317,6 +283,7 @@ class Engine:
             drawn=self.drawn.get(),
             route=controls.driving.goal,
             added=self._companions.shown(controls),
+            faults=controls.faults,
         )
 
 

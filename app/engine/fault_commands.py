@@ -23,11 +23,11 @@ def _check_faults(command: SetFaultsCommand, program: Program) -> None:
     Raises:
         CommandError: it has none, as real and recorded robots, or a value is not valid.
     """
-    robot = program.robot
-    if not isinstance(robot, SimulatedRobot):
+    robot = program.facts
+    if not robot.has_faults:
         raise CommandError(f"{robot.name} has no faults to set; the robots sim and kinematic have")
     try:
-        with_faults(robot.settings, command.values)
+        with_faults(program.faults, command.values)
     except SettingError as error:
         raise CommandError(str(error)) from error
 

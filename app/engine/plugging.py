@@ -12,6 +12,7 @@ from typing import TypeVar
 from app.engine.added_models import AddedModels, NewModels
 from app.engine.command_row import CommandRow, collected
 from app.engine.companions import Companions, NewCompanion
+from app.engine.program import Program
 from app.engine.robot_kind import RobotKind
 from app.engine.value import Value
 from app.feature import Feature
@@ -65,6 +66,8 @@ class Plugged:
     """What ``--robot`` chooses from, by name."""
     messages: tuple[type[Message], ...]
     """What is sent."""
+    builders: tuple[Callable[[Config, bool], Program | None], ...] = ()
+    """What builds programs to serve, in place of ours."""
     filters: tuple[FilterKind, ...] = ()
     """What the parameter ``filter`` chooses from, besides the core's."""
     engines: tuple[PhysicsEngine, ...] = ()
@@ -127,6 +130,7 @@ class Plugged:
             lens_files=(*self.lens_files, *lens_files),
             fields=(*self.fields, *fields),
             filters=(*self.filters, *filters),
+            builders=(*self.builders, *feature.builders),
             engines=(*self.engines, *engines),
         )
 

@@ -17,7 +17,6 @@ from robot.covariance import CovarianceError, covariance_from
 from robot.errors import CommandError
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2, wrap_angle
-from robot.interface import RepositionableRobot
 from robot.localization.filter import Cloud
 from robot.localization.parameters import FilterParameters
 
@@ -108,7 +107,7 @@ def _place(tick: TickContext[PlaceCommand]) -> None:
 
 def _require_placeable(program: Program) -> None:
     """Refuse to move a real robot."""
-    if not isinstance(program.robot, RepositionableRobot):
+    if not program.facts.can_be_placed:
         raise CommandError(f"{program.robot.name} can only be moved by hand")
 
 

@@ -9,17 +9,21 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from app.engine.added_models import ModelChoice
+from app.engine.control import Control
 from app.engine.engine import Engine
+from app.engine.robot_facts import RobotFacts
 from app.settings.config import Config
 from robot.fields.field import Field
 from robot.interface import Robot
+from robot.localization.estimate import Hypothesis
+from sim.simulated import SimSettings
 
 
 @dataclass(frozen=True)
 class Program:
     """The parts of a program that other modules use."""
 
-    engine: Engine
+    engine: Control
     robot: Robot
     field: Field
     config: Config
@@ -36,3 +40,34 @@ class Program:
     """Whether a stop holds that was given to the program before this one."""
     handed_on: Mapping[str, object] = dataclasses.field(default_factory=dict)
     """What features have to know of the program before this one, by their names."""
+
+    @property
+    def facts(self) -> RobotFacts:
+        """What is known of the robot."""
+        return RobotFacts.of(self.robot)
+
+    def on_field(self, name: str, field: Field, place: Hypothesis | None) -> Program:
+        """Return the next program, on another field, after this one has handed its robot over.
+
+        Only one whose engine is elsewhere builds its own successor: ``app.engine.build`` has the
+        others.
+
+        Args:
+            name: of the field, as ``Config.map``.
+            field: the field.
+            place: where the robot is in it; None: at its start.
+        """
+        raise NotImplementedError
+
+    @property
+    def faults(self) -> SimSettings:
+        """The faults of a simulated robot now."""
+        latest = self.engine.latest.get()
+        return self.config.sim if latest is None or latest.faults is None else latest.faults
+
+
+@dataclass(frozen=True)
+class LocalProgram(Program):
+    """A program whose engine is in this process: whoever has it may step it."""
+
+    engine: Engine

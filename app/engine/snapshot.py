@@ -17,6 +17,7 @@ from robot.fields.occupancy_grid import OccupancyGrid
 from robot.geometry import Array, Pose2, Twist2
 from robot.interface import Frame, Reading
 from robot.localization.estimate import Estimate, Integrity, State
+from sim.simulated import SimSettings
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,6 +115,8 @@ class Snapshot:
     """The map that is drawn by driving; None without one."""
     added: Mapping[str, Any] = field(default_factory=dict, repr=False)
     """What companions show of themselves, by the names of their features."""
+    faults: SimSettings | None = field(default=None, repr=False)
+    """What is wrong with a simulated robot and its camera; None of a real one."""
     replay: ReplayState | None = None
     """State of the replay; None if this is not a replay."""
 

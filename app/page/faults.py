@@ -10,7 +10,6 @@ from app.page.parameters import parameter_message
 from app.settings.conditions import CONDITIONS
 from app.settings.faults import TABLES, condition_faults, fault_values
 from robot.settings import describe
-from sim.simulated import SimulatedRobot
 
 
 def faults_router(program: Program) -> APIRouter:
@@ -20,12 +19,11 @@ def faults_router(program: Program) -> APIRouter:
     @router.get("/api/faults")
     def faults() -> FaultsMessage:
         """What can be wrong, and with which value it is; empty for a real robot."""
-        robot = program.robot
-        if not isinstance(robot, SimulatedRobot):
+        if not program.facts.has_faults:
             return FaultsMessage(faults=[], conditions={})
         presets = {name: condition_faults(name) for name in CONDITIONS}
         return FaultsMessage(
-            faults=_rows(robot, program),
+            faults=_rows(program),
             # A bump happens once in a run, from its start on: no slider has it.
             conditions={name: preset for name, preset in presets.items() if preset},
         )
@@ -33,13 +31,14 @@ def faults_router(program: Program) -> APIRouter:
     return router
 
 
-def _rows(robot: SimulatedRobot, program: Program) -> list[ParameterMessage]:
-    values, defaults = fault_values(robot.settings), fault_values(program.config.sim)
+def _rows(program: Program) -> list[ParameterMessage]:
+    settings = program.faults
+    values, defaults = fault_values(settings), fault_values(program.config.sim)
     return [
         parameter_message(
             "faults",
             name,
-            describe(getattr(robot.settings, table))[name],
+            describe(getattr(settings, table))[name],
             values[name],
             defaults[name],
         )

@@ -5,18 +5,18 @@ from __future__ import annotations
 import argparse
 from functools import partial
 
+import cv2
+
 from app.console import say
-from app.engine.build import build_program
 from app.engine.plugging import plug_in, plugged
 from app.engine.robots import resolve_robot, robot_kind
 from app.feature_search import Features
 from app.page.access_options import announce, front_of, tokens_of
 from app.page.first_start import compiled
 from app.page.listening import listen
-from app.page.serving import serve, serve_on
+from app.page.serving import build_served, serve, serve_on
 from app.settings.config import Config
 from robot.settings import SettingError
-from sim.real_time import RealTime
 
 
 def run_dashboard(
@@ -33,6 +33,7 @@ def run_dashboard(
     Raises:
         SettingError: an option has no effect with this robot, or a setting is invalid.
     """
+    cv2.setNumThreads(1)  # its threads would not be in a fork, and one picture needs none
     features = plug_in(features)
     for failure in features.failures:
         say(failure)
@@ -49,7 +50,7 @@ def run_dashboard(
         with compiled(config, listening, tokens, front, ready) as start:
             if start is None:
                 return 0
-            program = build_program(config, RealTime())
+            program = build_served(config, alone=True)
             following = serve(program, start[0], tokens, front, start[1])
     if following is not None:
         serve_on(following, port, tokens, front)

@@ -14,10 +14,10 @@ import uvicorn
 from anyio import from_thread
 
 from app.console import say
-from app.engine.build import build_on_field, build_on_map
+from app.engine.build import build_on_field, build_on_map, build_program
 from app.engine.engine_thread import EngineThread
 from app.engine.plugging import plugged
-from app.engine.program import Program
+from app.engine.program import LocalProgram, Program
 from app.interruption import Interrupted, deferred
 from app.page.access_options import Front
 from app.page.listening import Listening, listen
@@ -25,6 +25,7 @@ from app.page.outlets import Outlets
 from app.page.server import create_app
 from app.page.tokens import Tokens
 from app.page.web_server import LeavesSignals, settings_of
+from app.settings.config import Config
 from robot.errors import CommandError
 from robot.fields.field import Field
 from robot.localization.estimate import Hypothesis
@@ -111,6 +112,25 @@ class Server:
         self._uvicorn.should_exit = True
 
 
+def build_served(config: Config, *, alone: bool = False) -> Program:
+    """Build a program to serve, with its robot in this process unless a feature has it elsewhere.
+
+    A real robot is active from here on, so the caller must close it.
+
+    Args:
+        config: everything that can be set.
+        alone: whether no other thread was begun in this process yet, also none of a library.
+
+    Raises:
+        Exception: as ``build_program``.
+    """
+    for build in plugged().builders:
+        program = build(config, alone)
+        if program is not None:
+            return program
+    return build_program(config, RealTime())
+
+
 def serve(
     program: Program,
     listening: Listening,
@@ -147,6 +167,8 @@ def serve(
 
 
 def _successor(program: Program, name: str, field: Field, place: Hypothesis | None) -> Program:
+    if not isinstance(program, LocalProgram):
+        return program.on_field(name, field, place)
     if place is None:
         return build_on_field(program, name, field, RealTime())
     return build_on_map(program, name, field, place)

@@ -95,8 +95,7 @@ def _health(
         return "degraded", "The robot has not answered yet."
     silent = time.monotonic() - latest.published
     if silent > STALE_S:
-        added = program.engine.controls.follower.added
-        where = [words for models in added if (words := models.running(thread.ident))]
+        where = program.engine.where_it_hangs(thread.ident)
         return "degraded", " ".join([phrase(f"No tick for {silent:.1f} s."), *where])
     failures = [follower.failure for follower in followers if follower.failure]
     problems = [*latest.problems.present, *program.complaints, *failures, *outlets.failures]

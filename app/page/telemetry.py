@@ -8,6 +8,7 @@ import math
 from app.engine.drivers import DriveState
 from app.engine.plugging import plugged
 from app.engine.program import Program
+from app.engine.robot_facts import RobotFacts
 from app.engine.snapshot import LAYERS, Snapshot
 from app.engine.values import listed, value_failures
 from app.messages.answers import FieldMessage
@@ -31,10 +32,8 @@ from app.page.thresholds import LONGEST_STEP_M, STALE_S
 from app.page.view.cameras import home
 from app.settings.faults import changed_faults
 from robot.geometry import Array, Pose2
-from robot.interface import PhysicalRobot, RepositionableRobot, Robot
 from robot.scanning.line_scanner import LineScan
 from sim.engines import engine_is_here
-from sim.simulated import SimulatedRobot
 
 
 class TelemetryWriter:
@@ -42,10 +41,8 @@ class TelemetryWriter:
 
     def __init__(self, program: Program, outlets: Outlets) -> None:
         self._field = program.field
-        self._robot = program.robot
+        self._robot = program.facts
         self._sim = program.config.sim
-        robot = program.robot
-        self._engine = robot.engine if isinstance(robot, PhysicalRobot) else None
         self._outlets = outlets
         self._complaints = program.complaints
 
@@ -68,9 +65,9 @@ class TelemetryWriter:
                 name=self._robot.name,
                 connected=snapshot.connected,
                 battery_v=snapshot.battery_v,
-                can_be_placed=isinstance(self._robot, RepositionableRobot),
-                engine=self._engine,
-                faults=self._faults(),
+                can_be_placed=self._robot.can_be_placed,
+                engine=self._robot.engine,
+                faults=changed_faults(snapshot.faults, self._sim) if snapshot.faults else {},
                 calibrated=snapshot.calibrated if math.isfinite(snapshot.calibrated) else None,
             ),
             loop=LoopMessage(**dataclasses.asdict(snapshot.loop)),
@@ -86,12 +83,6 @@ class TelemetryWriter:
             hidden_layers=sorted(LAYERS - snapshot.layers),
             **self._outlets.telemetry(snapshot),
         )
-
-    def _faults(self) -> dict[str, float | str]:
-        robot = self._robot
-        if not isinstance(robot, SimulatedRobot):
-            return {}
-        return changed_faults(robot.settings, self._sim)
 
 
 def _scan_message(snapshot: Snapshot) -> ScanMessage:
@@ -148,7 +139,7 @@ def field_message(program: Program) -> FieldMessage:
         start=PoseMessage(x=field.start.x, y=field.start.y, theta=field.start.theta),
         robot_outline=[(x, y) for x, y in spec.outline.round(4).tolist()],
         robot_measured=spec.measured,
-        engine_missing=_engine_missing(program.robot),
+        engine_missing=_engine_missing(program.facts),
         max_v=drive.max_velocity,
         max_omega=drive.max_angular_velocity,
         drive_timeout=drive.cmd_vel_timeout,
@@ -164,8 +155,8 @@ def field_message(program: Program) -> FieldMessage:
     )
 
 
-def _engine_missing(robot: Robot) -> bool:
-    return isinstance(robot, SimulatedRobot) and robot.engine is None and not engine_is_here()
+def _engine_missing(robot: RobotFacts) -> bool:
+    return robot.has_faults and robot.engine is None and not engine_is_here()
 
 
 def _rounded(values: Array, digits: int) -> list[float]:

@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from robot.fields.edges import cell_outline
+from robot.fields.cell_outline import cell_outline
 from robot.fields.field import Field, FieldError
 from robot.fields.floor_picture import Extent, FloorPicture, finest_resolution
 from robot.fields.grid_map import load_map_yaml

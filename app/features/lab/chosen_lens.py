@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from app.console import ask_which, can_ask, say
+from app.console import say
+from app.features.lab.asking import ask_which, can_ask
 from robot.lens_files.choosing import SeveralCamerasError
 from robot.lens_files.reading import LensFile, read_lens_file
 

@@ -7,7 +7,7 @@ the same likelihood for every pose, and odometry without noise.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from copy import copy
 from dataclasses import replace
 from typing import Any
@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from app.features.own_models.error_messages import OwnModelError, errors_named_after, line_of
-from app.features.own_models.model_file import ModelFile
+from app.features.own_models.model_file import ModelFile, build, load
 from app.languages.marking import phrase
 from robot.geometry import Array, Pose2, compose, wrap_angle
 from robot.localization.models.motion_models import sampled_moments
@@ -82,8 +82,22 @@ class Guard:
 class OwnSensor:
     """A user's own sensor model."""
 
+    is_part = True  # of snapshots that go to another process: it is sent once
+
     def __init__(self, file: ModelFile, model: object, fault: str | None = None) -> None:
         self.guard = Guard(file, model, "log_likelihood", fault)
+        self.made_of: Mapping[str, object] | None = None
+        """What the file's class was given; None if it is no class of a user's file."""
+        self._file = file
+
+    def elsewhere(self) -> tuple[Callable[..., OwnSensor], tuple[object, ...]] | None:
+        """Return a function and arguments that make it in another process; None: it is pickled.
+
+        The other process has no module of the user's file.
+        """
+        if self.made_of is None:
+            return None
+        return _made_again, (self._file, dict(self.made_of), self.guard.fault)
 
     @property
     def fault(self) -> str | None:
@@ -107,8 +121,8 @@ class OwnSensor:
 
     def apart(self) -> OwnSensor:
         """Return the same model with a guard of its own: a failure there stops no robot."""
-        other = copy(self)
-        other.guard = copy(self.guard)
+        other = OwnSensor.__new__(OwnSensor)
+        vars(other).update(vars(self), guard=copy(self.guard))
         return other
 
     def try_out(self, start: Pose2) -> None:
@@ -124,6 +138,8 @@ class OwnMotion:
 
     def __init__(self, file: ModelFile, model: object, fault: str | None = None) -> None:
         self.guard = Guard(file, model, "sample", fault)
+        self.made_of: Mapping[str, object] | None = None
+        """What the file's class was given; None if it is no class of a user's file."""
 
     def sample(self, poses: Array, moved: Pose2, rng: np.random.Generator) -> Array:
         """Sample each particle's new pose (n, 3); odometry alone once the model has failed."""
@@ -141,3 +157,11 @@ class OwnMotion:
         """Ask once, so that mistakes show (and numba compiles) before the robot drives."""
         poses = start.to_array() + TRIED
         self.sample(poses, Pose2(0.005, 0.0, 0.01), np.random.default_rng(0))
+
+
+def _made_again(file: ModelFile, made_of: Mapping[str, object], fault: str | None) -> OwnSensor:
+    """Return a user's sensor model as another process has it."""
+    try:
+        return OwnSensor(file, build(file, load(file), made_of), fault)
+    except OwnModelError as error:
+        return OwnSensor(file, None, str(error))

@@ -16,6 +16,7 @@ class Guarded(Protocol):
     """A user's model behind its guard."""
 
     guard: Guard
+    made_of: Mapping[str, object] | None
 
     def try_out(self, start: Pose2) -> None:
         """Call the model once."""
@@ -101,15 +102,20 @@ class Slot(Generic[G]):
         try:
             if try_out:
                 # Try out a model and throw it away, as it may remember the trial.
-                tried = self._wrap(file, build(file, made, offered), None)
+                tried = self._made(file, made, offered)
                 tried.try_out(self._start)
                 self.doubt = self._judge(tried)
                 if tried.guard.fault is not None:
                     self.model = tried
                     return
-            self.model = self._wrap(file, build(file, made, offered), None)
+            self.model = self._made(file, made, offered)
         except OwnModelError as error:
             self._fail(file, error)
+
+    def _made(self, file: ModelFile, made: Callable[..., Any], offered: Mapping[str, object]) -> G:
+        model = self._wrap(file, build(file, made, offered), None)
+        model.made_of = offered
+        return model
 
     def _fail(self, file: ModelFile, error: OwnModelError) -> None:
         self.model = self._wrap(file, None, str(error))

@@ -26,7 +26,6 @@ from app.settings.provenance import versions
 from robot.description.spec import SPIKE, RobotSpec
 from robot.description.urdf import parse_xml
 from robot.fields.map_files import read_map_yaml
-from robot.interface import PhysicalRobot
 
 
 def contents_of(program: Program) -> Contents:
@@ -39,12 +38,12 @@ def contents_of(program: Program) -> Contents:
     config, spec = program.config, program.robot.spec
     if latest is not None:
         config, spec = replace(config, localization=latest.filter.parameters), latest.spec
-    known, robot = versions(), program.robot
+    known = versions()
     map_files = list(_map_files(config.map) if config.map else _replayed(program, "map/"))
     facts = {
         "robot": program.robot.name,
         "robot_kind": config.robot,
-        "engine": (robot.engine if isinstance(robot, PhysicalRobot) else None) or "",
+        "engine": program.facts.engine or "",
         "map": program.field.name,
         "map_file": map_files[0].name if map_files else "",
         "seed": str(config.seed),

@@ -7,11 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from entry_reading import distance_at
 from sensor_trials import BEARINGS, ENTRIES, FIELD, PARAMETERS, TRUTH, entry_distances, scan_at
 
 from robot.fields.ray_casting import cast_rays
 from robot.geometry import Array, Pose2, wrap_angle
-from robot.localization.kernels.entry_planes import DIRECTIONS, distance_at
+from robot.localization.kernels.entry_planes import DIRECTIONS
 from robot.localization.models.motion_models import DifferentialMotion
 from robot.localization.models.sensor_models import sensor_model
 from robot.localization.particles.resampling import low_variance

@@ -14,7 +14,7 @@ import numpy as np
 
 from app.console import say
 from app.engine.build import build_program
-from app.engine.program import Program
+from app.engine.program import LocalProgram
 from app.engine.robots import robot_kind
 from app.features.lab.calibrate.calibrated_robot import CalibratedRobot
 from app.features.lab.calibrate.drive_report import drive_report
@@ -132,7 +132,7 @@ def _seen_through(lens: MeasuredLens | None, spec: RobotSpec) -> RobotSpec:
     return spec if lens is None else lens.applied_to(spec)
 
 
-def _driven(program: Program, seconds: float) -> Iterator[Reading]:
+def _driven(program: LocalProgram, seconds: float) -> Iterator[Reading]:
     """Yield the readings of a robot that drives the programme."""
     engine = program.engine
     engine.commands.put(PauseCommand(type="pause"))

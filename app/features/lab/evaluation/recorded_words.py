@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from app.console import ask_which, can_ask
+from app.features.lab.asking import ask_which, can_ask
 from app.features.lab.report_page import millimetres
 from app.features.lab.trajectories.clock_offset import ClockOffset
 

@@ -13,7 +13,7 @@ from app.engine.build import build_engine
 from app.engine.engine import Engine
 from app.engine.parameter_changes import with_values_and_models
 from app.engine.plugging import models_of
-from app.engine.program import Program
+from app.engine.program import LocalProgram
 from app.engine.start_pose.start import Start, start
 from app.features.recordings.attachments import PROFILE, SETTINGS, URDF
 from app.features.recordings.files.mcap_reader import RecordingReader, open_recording
@@ -92,7 +92,7 @@ class ReplayOptions:
 
 
 @dataclass(frozen=True)
-class ReplayProgram(Program):
+class ReplayProgram(LocalProgram):
     """A program whose robot is a recording."""
 
     replay: Replay = dataclasses.field(kw_only=True)

@@ -6,7 +6,6 @@ import dataclasses
 from dataclasses import replace
 from pathlib import Path
 
-from app.engine.build import build_program
 from app.engine.parameter_changes import changed_values
 from app.engine.program import Program
 from app.features.recordings.replay.opening import (
@@ -20,9 +19,9 @@ from app.features.recordings.replay.recorded_robot import RecordedRobot
 from app.foreign_files import read_apart
 from app.languages.marking import phrase
 from app.messages.commands import SetParametersCommand
+from app.page.serving import build_served
 from app.settings.config import Config
 from robot.errors import BrickPoseError
-from sim.real_time import RealTime
 
 
 def replay_after(program: Program, path: Path) -> ReplayProgram:
@@ -66,7 +65,7 @@ def run_again(program: Program, path: Path) -> ReplayProgram:
 def robot_again(program: Program, before: Config) -> Program:
     """Return a program with its robot, or the recording again, which says what the robot lacks."""
     try:
-        return build_program(before, RealTime())
+        return build_served(before)
     except (BrickPoseError, OSError) as error:
         assert isinstance(program.robot, RecordedRobot)
         replay = replay_after(program, program.robot.reader.path)

@@ -6,9 +6,10 @@ import math
 
 import numpy as np
 import pytest
+from entry_reading import distance_at
 
 from robot.geometry import Array
-from robot.localization.kernels.entry_planes import distance_at, planes
+from robot.localization.kernels.entry_planes import planes
 
 FARTHEST = 0.15
 CELL = 0.005

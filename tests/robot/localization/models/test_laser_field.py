@@ -4,13 +4,14 @@ import math
 
 import numpy as np
 import pytest
+from entry_reading import distance_at
 
 from app.features.lab.localize.laser_map import FreeWay, free_field, wall_field
 from robot.fields.field import FieldError
 from robot.fields.grid_field import field_from_grid
 from robot.fields.occupancy_grid import OccupancyGrid
 from robot.geometry import Pose2
-from robot.localization.kernels.entry_planes import ROWS, distance_at, planes
+from robot.localization.kernels.entry_planes import ROWS, planes
 from robot.localization.models.entry_field import DIRECTIONS, EntryField
 from robot.localization.models.likelihood_field import LikelihoodField
 from robot.localization.models.likelihood_field_prob import LikelihoodFieldProb

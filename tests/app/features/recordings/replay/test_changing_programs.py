@@ -161,7 +161,7 @@ def test_who_cannot_go_back_to_the_robot_stays_in_the_recording(
     before = build_program(Config(robot="kinematic", map="stub"))
     replay = replay_after(before, listed(folder)[0].file.parent)
     made: list[Callable[[], Program]] = []
-    monkeypatch.setattr(succession, "build_program", unplugged)
+    monkeypatch.setattr(succession, "build_served", unplugged)
     Outlets(replay, go_on=made.append).part(OPENER).close()
     following = made[0]()
     assert isinstance(following, ReplayProgram)

@@ -1,0 +1,66 @@
+"""Starts a process that controls a robot: by a fork where that is safe, else anew."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import sys
+import threading
+from collections.abc import Sequence
+from multiprocessing.connection import Connection
+from typing import Any
+
+from app.engine.plugging import plugged
+from app.features.control.process import control
+from app.features.control.remote import ControlProcess, RemoteProgram
+from app.features.control.settings import ControlSettings
+from app.interruption import uninterrupted
+from app.operating_system import children_deaf_to_ctrl_c
+from app.settings.config import Config
+
+
+def build_elsewhere(config: Config, alone: bool) -> RemoteProgram | None:
+    """Build a program whose robot another process drives; None if one process is asked for.
+
+    Args:
+        config: everything that can be set.
+        alone: no other thread was begun in this process yet, also none of a library: then the
+            process may be a fork, which has all modules at once and shares their memory. Of
+            several threads a fork has one, and what the others had locked stays locked.
+
+    Raises:
+        Exception: as ``build_program``.
+    """
+    if ControlSettings.of(config).one_process:
+        return None
+    without = plugged().features.left_out
+
+    def start(config: Config) -> ControlProcess:
+        return started(config, without)
+
+    forks = alone and sys.platform == "linux" and threading.active_count() == 1
+    return RemoteProgram.of(started(config, without, forks=forks), start)
+
+
+def started(config: Config, without: Sequence[str], *, forks: bool = False) -> ControlProcess:
+    """Start a process that controls the robot of a configuration."""
+    context: Any = multiprocessing.get_context("fork" if forks else "spawn")
+    ours, theirs = context.Pipe()
+    work = _forked if forks else control
+    arguments = (ours, theirs, config, without) if forks else (theirs, config, without)
+    process = context.Process(target=work, args=arguments, name="control", daemon=True)
+    with uninterrupted(), children_deaf_to_ctrl_c():
+        process.start()
+    theirs.close()  # so that the pipe ends with the process
+    return ControlProcess(process, ours)
+
+
+def _forked(
+    servers: Connection, connection: Connection, config: Config, without: Sequence[str]
+) -> None:
+    """Control a robot, in a fork: what the server has open is not for this process."""
+    servers.close()
+    mine = connection.fileno()
+    os.closerange(3, mine)
+    os.closerange(mine + 1, os.sysconf("SC_OPEN_MAX"))
+    control(connection, config, without)

@@ -1,0 +1,113 @@
+"""TickSender: sends the snapshots of an engine to the server, as many as it needs."""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from collections.abc import Callable
+from contextlib import ExitStack
+
+from app.engine.engine import Engine
+from app.engine.mailboxes.backlog import Backlog
+from app.engine.mailboxes.latest import Latest
+from app.engine.snapshot import Snapshot
+from app.features.control.messages import Hangs, Tick, Watched
+
+UNWATCHED_S = 0.2
+"""Interval of snapshots while nobody looks [s]: for whoever comes next, and for health."""
+HANGS_S = 0.5
+"""Without a tick for this time [s], the server is told where the loop hangs."""
+MOST_WAITING = 500
+"""Snapshots that wait to be sent to whoever needs each one: ten seconds of them."""
+
+
+class TickSender:
+    """Sends in a thread of its own: the loop never waits for the server."""
+
+    def __init__(
+        self, engine: Engine, loop: int, send: Callable[[object], None], patience: float
+    ) -> None:
+        """Begin to send.
+
+        Args:
+            engine: whose snapshots are sent; its mailbox is replaced.
+            loop: the ``ident`` of the thread that runs it.
+            send: sends a message.
+            patience: how long to wait for the last one at the end [s].
+        """
+        self.watched = Watched(present=False, every=False)
+        """Who looks now; another thread replaces it."""
+        self._engine = engine
+        self._loop = loop
+        self._send = send
+        self._patience = patience
+        self._published = threading.Event()
+        self._done = threading.Event()
+        self._each: Backlog[Snapshot] | None = None
+        engine.latest = _AnnouncedLatest(self._published)
+        self._thread = threading.Thread(target=self._work, name="ticks", daemon=True)
+        self._thread.start()
+
+    def finish(self) -> None:
+        """Send the last snapshot, and end."""
+        self._done.set()
+        self._published.set()
+        self._thread.join(self._patience)
+
+    def _work(self) -> None:
+        count, sent, hangs = 0, -math.inf, False
+        with ExitStack() as subscription:
+            over = False
+            while not over:
+                came = self._published.wait(HANGS_S)
+                self._published.clear()
+                over = self._done.is_set()
+                if came:
+                    hangs = False
+                elif not hangs:
+                    hangs = True
+                    self._send(Hangs(tuple(self._engine.where_it_hangs(self._loop))))
+                self._subscribe(subscription)
+                now = time.monotonic()
+                wanted = self._each is not None or self.watched.present or over
+                if wanted or now - sent >= UNWATCHED_S:
+                    count = self._send_new(count)
+                    sent = now
+
+    def _subscribe(self, subscription: ExitStack) -> None:
+        """Have the engine know who looks: its camera rests while nobody does."""
+        if self.watched.every and self._each is None:
+            every = self._engine.every
+            self._each = subscription.enter_context(every.subscribe(MOST_WAITING))
+        elif not self.watched.every and self._each is not None:
+            subscription.close()
+            self._each = None
+        if self.watched.present:
+            self._engine.audience.visit()
+
+    def _send_new(self, count: int) -> int:
+        """Send what is new since snapshot number ``count``; return the number of the newest."""
+        newer = self._engine.latest.newer_than(count)
+        waiting = iter(self._each.get, None) if self._each else ()
+        last = None
+        for last in waiting:
+            self._send(Tick(last, unbroken=True))
+        if newer is None:
+            return count
+        if newer[1] is not last:  # also what is put after the last tick: that the loop has failed
+            self._send(Tick(newer[1], unbroken=False))
+        return newer[0]
+
+
+class _AnnouncedLatest(Latest[Snapshot]):
+    """A mailbox that also sets an event, for a thread."""
+
+    def __init__(self, published: threading.Event) -> None:
+        super().__init__()
+        self._published = published
+
+    def put(self, value: Snapshot) -> None:
+        """Replace the value, wake coroutines, and set the event."""
+        super().put(value)
+        self._published.set()
