@@ -1,4 +1,4 @@
-"""The choice of the physics engine; ``ENGINES`` has those on offer, pybullet before MuJoCo."""
+"""The choice of the physics engine; ``ENGINES`` has those on offer, ours and those of features."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from robot.description.spec import RobotSpec
 from robot.errors import PackageError
 from robot.geometry import Pose2
 from robot.hooks import Offered, added
+from robot.settings import SettingError
 from sim.physics import PhysicsSettings, PhysicsWorld
 
 
@@ -65,8 +66,8 @@ OURS: Mapping[str, PhysicsEngine] = {
     )
 }
 ENGINES = Offered(OURS, lambda: {engine.name: engine for engine in added().engines} | dict(OURS))
-"""In the order in which ``auto`` tries them. What a feature adds comes before ours: somebody added
-it on purpose, and pybullet, which is such a feature's, drives three times as fast as MuJoCo."""
+"""In the order in which ``auto`` tries them: what a feature adds comes before ours, for somebody
+added it on purpose."""
 OUR_CHOICES: Mapping[str, PhysicsEngine | None] = {"auto": None, **OURS}
 CHOICES = Offered(OUR_CHOICES, lambda: {"auto": None, **ENGINES})
 """What ``[sim] engine`` chooses from; ``auto`` is the first one that is installed."""
@@ -77,7 +78,10 @@ def choose_engine(wanted: str = "auto") -> str:
 
     Raises:
         PackageError: the engine, or with ``auto`` any engine, is not installed; says how to get it.
+        SettingError: nobody offers it.
     """
+    if wanted not in CHOICES:
+        raise SettingError(f"engine is {wanted!r}; valid are {', '.join(CHOICES)}")
     if wanted != "auto":
         ENGINES[wanted].load()
         return wanted

@@ -322,8 +322,9 @@ def test_without_bullet_mujoco_moves_the_robot():
     require_engine("mujoco")
     plug_in(find_features(["bullet"]))
     assert (tuple(ENGINES), choose_engine()) == (("mujoco",), "mujoco")
-    with pytest.raises(SettingError, match=r"engine is 'bullet'; valid are auto, mujoco$"):
-        SimSettings(engine="bullet")
+    for choose in (choose_engine, SimSettings):
+        with pytest.raises(SettingError, match=r"engine is 'bullet'; valid are auto, mujoco$"):
+            choose("bullet")
 
 
 class StrangersRobot:
