@@ -1,4 +1,4 @@
-"""Control: what everybody else sees of the engine, in whichever process it runs."""
+"""ControlLoop: what everybody else sees of the engine, in whichever process it runs."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from robot.description.spec import RobotSpec
 from robot.scanning.line_scanner import LineScanner
 
 
-class Control(ABC):
+class ControlLoop(ABC):
     """The loop that owns the robot: commands go in, snapshots come out; any thread may use it."""
 
     def __init__(self, spec: RobotSpec, scanner: LineScanner | None) -> None:

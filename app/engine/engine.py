@@ -17,7 +17,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from app.engine.companions import Companions
-from app.engine.control import Control
+from app.engine.control import ControlLoop
 from app.engine.controls import Controls
 from app.engine.localization import Localization
 from app.engine.loop_statistics import LoopMeter
@@ -43,7 +43,7 @@ Apply = Callable[[Command, Controls, OdometryState], None]
 """Carries out a checked command."""
 
 
-class Engine(Control):
+class Engine(ControlLoop):
     """Steps robot, odometry, filter and drive; one thread calls it."""
 
     def __init__(

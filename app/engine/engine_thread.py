@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable
 
-from app.engine.control import Control
+from app.engine.control import ControlLoop
 from robot.worker_thread import WorkerThread
 
 JOIN_S = 3.0
@@ -15,7 +15,7 @@ class EngineThread(WorkerThread):
     """Runs the engine's loop, which closes the robot at its end."""
 
     def __init__(
-        self, engine: Control, run: Callable[[threading.Event], None] | None = None
+        self, engine: ControlLoop, run: Callable[[threading.Event], None] | None = None
     ) -> None:
         """``run`` replaces the engine's own loop, for example with the loop of a replay."""
         super().__init__("engine", run or engine.run, owner="the engine", patience=JOIN_S)

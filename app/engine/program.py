@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from app.engine.added_models import ModelChoice
-from app.engine.control import Control
+from app.engine.control import ControlLoop
 from app.engine.engine import Engine
 from app.engine.robot_facts import RobotFacts
 from app.settings.config import Config
@@ -23,7 +23,7 @@ from sim.simulated import SimSettings
 class Program:
     """The parts of a program that other modules use."""
 
-    engine: Control
+    engine: ControlLoop
     robot: Robot
     field: Field
     config: Config

@@ -15,7 +15,7 @@ import numba
 from numba.core.bytecode import FunctionIdentity
 
 from app.engine.compiling.functions import FUNCTIONS, Compiled
-from app.feature_search import find_features
+from app.engine.plugging import plugged
 from app.worker_process import WorkerEndedError, WorkerProcess, cores
 from robot.compiled_code import HERE, CompileCache
 from robot.compiling import CACHE
@@ -44,16 +44,20 @@ class Compilation:
         """How many functions are compiled; other threads may read it."""
         self.complaint = cache.complaint
         """Why compiled code cannot be kept; None if it is."""
-        self._mark = (
-            None
-            if cache.folder is None
-            else cache.folder / f"complete-{_platform(self._functions)}"
-        )
+        self._mark = None if cache.folder is None else cache.folder / f"complete-{_platform()}"
 
     @property
     def needed(self) -> bool:
-        """Whether something is to be compiled."""
-        return self._mark is None or not self._mark.exists()
+        """Whether something is to be compiled, that is noted by no earlier start."""
+        return not self._noted.issuperset(map(repr, self._functions))
+
+    @property
+    def _noted(self) -> set[str]:
+        """The functions that earlier starts have compiled; other features may have taken part."""
+        try:
+            return set() if self._mark is None else set(self._mark.read_text("utf-8").splitlines())
+        except OSError:
+            return set()
 
     def run(
         self,
@@ -82,8 +86,9 @@ class Compilation:
     def mark(self) -> None:
         """Note for later starts that all is compiled."""
         assert self._mark is not None  # there is a folder for compiled code
+        lines = sorted(self._noted.union(map(repr, self._functions)))
         try:
-            self._mark.touch()
+            self._mark.write_text("\n".join(lines), encoding="utf-8")
         except OSError as error:
             LOG.warning("What is compiled cannot be noted: %s", error)
 
@@ -122,11 +127,11 @@ class Compilation:
 
 
 def all_functions() -> tuple[Compiled, ...]:
-    """Return the core's functions and the features', also of those that are left out this time.
+    """Return the core's functions and the features'.
 
     Those of a feature that fails here are compiled when they are called, if ever.
     """
-    functions, _ = find_features().made(
+    functions, _ = plugged().features.made(
         lambda feature: [function for make in feature.compiled for function in make()]
     )
     return (*FUNCTIONS, *functions)
@@ -140,7 +145,7 @@ def _count_from(first: int) -> None:
     FunctionIdentity._unique_ids = itertools.count(first)
 
 
-def _platform(functions: tuple[Compiled, ...]) -> str:
+def _platform() -> str:
     """Return a name for all that compiled code depends on, besides its sources."""
     cpu = llvmlite.binding
     parts = (
@@ -149,6 +154,5 @@ def _platform(functions: tuple[Compiled, ...]) -> str:
         cpu.get_host_cpu_name(),
         cpu.get_host_cpu_features().flatten(),
         HERE,  # two installations may share the user's folder, but not what is in it
-        functions,
     )
     return hashlib.sha256(repr(parts).encode()).hexdigest()[:12]

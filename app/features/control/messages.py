@@ -33,7 +33,7 @@ class Watched:
 
 
 @dataclass(frozen=True)
-class Drawn:
+class PutMap:
     """To control: the map that is drawn by driving."""
 
     map: DrawnMap | None
@@ -79,7 +79,7 @@ class Refused:
 
 
 @dataclass(frozen=True)
-class Tick:
+class SentTick:
     """From control: a snapshot."""
 
     snapshot: Snapshot

@@ -27,13 +27,13 @@ from app.engine.snapshot import DrawnMap
 from app.feature_search import find_features
 from app.features.control.messages import (
     Begun,
-    Drawn,
     Ended,
     Follow,
     Go,
+    PutMap,
     Refused,
+    SentTick,
     Stop,
-    Tick,
     Watched,
 )
 from app.features.control.parts import PartsWriter
@@ -191,7 +191,7 @@ class _ControlProcess:
             self._stop.set()
         elif program is None:
             LOG.warning("an order came before there was a program: %r", order)
-        elif isinstance(order, Drawn):
+        elif isinstance(order, PutMap):
             program.engine.drawn.put(order.map)
         else:
             program.engine.commands.put(order)
@@ -209,7 +209,7 @@ def _without_strange_parts(message: object, error: Exception) -> object:
     """Return a message without what others have put into it, which cannot be sent."""
     if isinstance(message, Refused):
         return Refused(RuntimeError(repr(message.error)))
-    if isinstance(message, Tick):
+    if isinstance(message, SentTick):
         LOG.warning("what features show of a tick cannot be sent: %s", error)
         return replace(message, snapshot=replace(message.snapshot, added={}))
     raise error

@@ -15,21 +15,21 @@ from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from typing import Any
 
-from app.engine.control import Control
+from app.engine.control import ControlLoop
 from app.engine.problems import LOG, Problem, ProblemState
 from app.engine.program import Program
 from app.engine.robot_facts import RobotFacts
 from app.engine.snapshot import DrawnMap
 from app.features.control.messages import (
     Begun,
-    Drawn,
     Ended,
     Follow,
     Go,
     Hangs,
+    PutMap,
     Refused,
+    SentTick,
     Stop,
-    Tick,
     Watched,
 )
 from app.features.control.parts import PartsReader
@@ -108,7 +108,7 @@ Start = Callable[[Config], ControlProcess]
 """Starts a process that controls the robot of a configuration."""
 
 
-class RemoteControl(Control):
+class RemoteControl(ControlLoop):
     """The loop of a control process."""
 
     def __init__(self, process: ControlProcess, begun: Begun) -> None:
@@ -166,8 +166,8 @@ class RemoteControl(Control):
         LOG.error("control did not end within %g s", PATIENCE_S)
         self._process.kill()
 
-    def _take(self, message: Tick | Hangs | None) -> None:
-        if isinstance(message, Tick):
+    def _take(self, message: SentTick | Hangs | None) -> None:
+        if isinstance(message, SentTick):
             self._hangs = ()
             self.latest.put(message.snapshot)
             if message.unbroken:
@@ -194,19 +194,19 @@ class RemoteControl(Control):
         drawn: DrawnMap | None = None
         while not ended.is_set():
             command = self.commands.get(LOOK_S)
-            now = Watched(self.audience.present, self.every.subscribed)
-            if now != watched:
-                watched = now
-                self._process.send(now)
+            present = Watched(self.audience.present, self.every.subscribed)
+            if present != watched:
+                watched = present
+                self._process.send(present)
             newest = self.drawn.get()
             if newest is not drawn:
                 drawn = newest
-                self._process.send(Drawn(newest))
+                self._process.send(PutMap(newest))
             if command is not None:
                 self._process.send(command)
 
 
-class RemoteRobot:
+class DistantRobot:
     """A robot that another process drives."""
 
     def __init__(self, process: ControlProcess, facts: RobotFacts) -> None:
@@ -247,7 +247,7 @@ class RemoteProgram(Program):
         begun = process.begun()
         return cls(
             RemoteControl(process, begun),
-            RemoteRobot(process, begun.facts),
+            DistantRobot(process, begun.facts),
             begun.field,
             begun.config,
             begun.pose_file,

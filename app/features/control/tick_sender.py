@@ -12,7 +12,7 @@ from app.engine.engine import Engine
 from app.engine.mailboxes.backlog import Backlog
 from app.engine.mailboxes.latest import Latest
 from app.engine.snapshot import Snapshot
-from app.features.control.messages import Hangs, Tick, Watched
+from app.features.control.messages import Hangs, SentTick, Watched
 
 UNWATCHED_S = 0.2
 """Interval of snapshots while nobody looks [s]: for whoever comes next, and for health."""
@@ -69,11 +69,11 @@ class TickSender:
                     hangs = True
                     self._send(Hangs(tuple(self._engine.where_it_hangs(self._loop))))
                 self._subscribe(subscription)
-                now = time.monotonic()
+                clock = time.monotonic()
                 wanted = self._each is not None or self.watched.present or over
-                if wanted or now - sent >= UNWATCHED_S:
+                if wanted or clock - sent >= UNWATCHED_S:
                     count = self._send_new(count)
-                    sent = now
+                    sent = clock
 
     def _subscribe(self, subscription: ExitStack) -> None:
         """Have the engine know who looks: its camera rests while nobody does."""
@@ -92,11 +92,11 @@ class TickSender:
         waiting = iter(self._each.get, None) if self._each else ()
         last = None
         for last in waiting:
-            self._send(Tick(last, unbroken=True))
+            self._send(SentTick(last, unbroken=True))
         if newer is None:
             return count
         if newer[1] is not last:  # also what is put after the last tick: that the loop has failed
-            self._send(Tick(newer[1], unbroken=False))
+            self._send(SentTick(newer[1], unbroken=False))
         return newer[0]
 
 

@@ -6,7 +6,7 @@ import threading
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
-from app.engine.control import Control
+from app.engine.control import ControlLoop
 from app.engine.snapshot import DrawnMap
 from robot.fields.occupancy_grid import OccupancyGrid
 from robot.geometry import Pose2
@@ -47,7 +47,7 @@ class MapDrawing:
 class ShownDrawing:
     """The drawing that others see; for any thread."""
 
-    def __init__(self, engine: Control) -> None:
+    def __init__(self, engine: ControlLoop) -> None:
         """Begin without one; its cells go into the snapshots of an engine."""
         self.now: MapDrawing | None = None
         """The map that is drawn now, or the last one; None without one."""

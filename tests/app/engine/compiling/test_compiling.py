@@ -57,10 +57,18 @@ def test_workers_compile_all_and_later_starts_know_it(
     assert not Compilation(CompileCache(tmp_path)).needed
 
 
-def test_another_list_is_compiled_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_more_functions_are_compiled_again_and_fewer_are_not(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(compilation, "all_functions", lambda: FEW[:2])
     Compilation(CompileCache(tmp_path)).mark()
     monkeypatch.setattr(compilation, "all_functions", lambda: FEW)
     assert Compilation(CompileCache(tmp_path)).needed
+    Compilation(CompileCache(tmp_path)).mark()
+    monkeypatch.setattr(compilation, "all_functions", lambda: FEW[:2])
+    Compilation(CompileCache(tmp_path)).mark()
+    monkeypatch.setattr(compilation, "all_functions", lambda: FEW)
+    assert not Compilation(CompileCache(tmp_path)).needed
 
 
 def test_it_stops_when_it_is_asked_to(tmp_path: Path, few: list[str]) -> None:
