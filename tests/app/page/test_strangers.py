@@ -71,8 +71,9 @@ def guess(port: int, number: int, **headers: str) -> int:
     return status(port, f"/?token=wrong-{number}", **headers)
 
 
-def live(port: int, token: str):
-    return connect(f"ws://127.0.0.1:{port}/api/live?token={token}", open_timeout=30)
+def live(port: int, token: str, **options: float):
+    address = f"ws://127.0.0.1:{port}/api/live?token={token}"
+    return connect(address, open_timeout=30, **options)
 
 
 def test_the_driver_comes_in_while_somebody_guesses_at_the_same_address(port: int) -> None:
@@ -125,7 +126,8 @@ def test_watchers_take_no_place_that_the_driver_needs(port: int) -> None:
     with ExitStack() as sockets:
         for _ in range(540):
             try:
-                sockets.enter_context(live(port, WATCH))
+                # They read nothing: whoever waits for the answer to a goodbye waits long.
+                sockets.enter_context(live(port, WATCH, close_timeout=0.01))
             except (InvalidStatus, OSError):
                 continue
             opened += 1
