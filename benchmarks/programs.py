@@ -9,7 +9,7 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -56,34 +56,53 @@ class ServedProgram:
         live = f"ws://{self.address}/api/live"
         return connect(live, open_timeout=START_S, max_size=None, max_queue=None)
 
+    def processes(self) -> list[Path]:
+        """Return the folders in ``/proc`` of its process and of those that it started."""
+        waiting, all_of_them = [self.process.pid], []
+        while waiting:
+            folder = Path(f"/proc/{waiting.pop()}")
+            with suppress(FileNotFoundError):  # it has ended
+                for thread in (folder / "task").iterdir():
+                    waiting += map(int, (thread / "children").read_text().split())
+                all_of_them.append(folder)
+        return all_of_them
+
     def threads(self) -> int:
-        """Return the number of its threads."""
-        return len(list(Path(f"/proc/{self.process.pid}/task").iterdir()))
+        """Return the number of their threads."""
+        return sum(len(list((folder / "task").iterdir())) for folder in self.processes())
 
     def thread_seconds(self, name: str) -> float:
-        """Return the processor time of its threads with a system name [s]."""
+        """Return the processor time of their threads with a system name [s]."""
         ticks = 0
-        for thread in Path(f"/proc/{self.process.pid}/task").iterdir():
-            if (thread / "comm").read_text().rstrip("\n") == name:
-                fields = (thread / "stat").read_text().rpartition(")")[2].split()
-                ticks += int(fields[11]) + int(fields[12])
+        for folder in self.processes():
+            for thread in (folder / "task").iterdir():
+                if (thread / "comm").read_text().rstrip("\n") == name:
+                    ticks += _ticks(thread / "stat")
         return ticks / os.sysconf("SC_CLK_TCK")
 
     def processor_seconds(self) -> float:
-        """Return the processor time of all of its threads, those that ended included [s]."""
-        stat = Path(f"/proc/{self.process.pid}/stat").read_text()
-        fields = stat.rpartition(")")[2].split()
-        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+        """Return the processor time of all of their threads, those that ended included [s]."""
+        ticks = sum(_ticks(folder / "stat") for folder in self.processes())
+        return ticks / os.sysconf("SC_CLK_TCK")
 
     def memory_mb(self) -> float:
-        """Return the memory that it holds (resident set) [MB]."""
-        status = Path(f"/proc/{self.process.pid}/status").read_text()
-        (line,) = (line for line in status.splitlines() if line.startswith("VmRSS:"))
-        return int(line.split()[1]) / 1024
+        """Return the memory that they hold, what they share counted once (PSS) [MB]."""
+        kilobytes = 0
+        for folder in self.processes():
+            lines = (folder / "smaps_rollup").read_text().splitlines()
+            (line,) = (line for line in lines if line.startswith("Pss:"))
+            kilobytes += int(line.split()[1])
+        return kilobytes / 1024
 
     def descriptors(self) -> int:
-        """Return the number of its open file descriptors."""
-        return len(list(Path(f"/proc/{self.process.pid}/fd").iterdir()))
+        """Return the number of their open file descriptors."""
+        return sum(len(list((folder / "fd").iterdir())) for folder in self.processes())
+
+
+def _ticks(stat: Path) -> int:
+    """Return the processor time of a process or thread, in the system's ticks."""
+    fields = stat.read_text().rpartition(")")[2].split()
+    return int(fields[11]) + int(fields[12])
 
 
 @contextmanager
