@@ -9,6 +9,8 @@ from app.engine.control import ControlLoop
 from robot.worker_thread import WorkerThread
 
 JOIN_S = 3.0
+HAND_OVER_S = 0.001
+"""Threads hand over Python's lock after this time [s]: no other may delay the engine's step."""
 
 
 class EngineThread(WorkerThread):

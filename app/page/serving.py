@@ -15,7 +15,7 @@ from anyio import from_thread
 
 from app.console import say
 from app.engine.build import build_on_field, build_on_map, build_program
-from app.engine.engine_thread import EngineThread
+from app.engine.engine_thread import HAND_OVER_S, EngineThread
 from app.engine.plugging import plugged
 from app.engine.program import LocalProgram, Program
 from app.interruption import Interrupted, deferred
@@ -30,9 +30,6 @@ from robot.errors import CommandError
 from robot.fields.field import Field
 from robot.localization.estimate import Hypothesis
 from sim.real_time import RealTime
-
-HAND_OVER_S = 0.001
-"""Threads hand over Python's lock after this time [s]: a view must not delay the engine's step."""
 
 ANSWERED_S = 0.3
 """A command is answered within this time [s]."""

@@ -19,6 +19,7 @@ import cv2
 
 from app.engine.added_models import ModelChoice
 from app.engine.build import build_on_field, build_on_map, build_program
+from app.engine.engine_thread import HAND_OVER_S
 from app.engine.plugging import plug_in
 from app.engine.problems import LOG, ProblemState
 from app.engine.program import LocalProgram
@@ -74,8 +75,6 @@ PARTS = (
 
 PATIENCE_S = 2.0
 """A loop that hangs is ended after this time, once the server has gone [s]."""
-HAND_OVER_S = 0.001
-"""Threads hand over Python's lock after this time [s]: sending must not delay a step."""
 
 
 def control(connection: Connection, config: Config, without: Sequence[str]) -> None:
@@ -107,7 +106,6 @@ class _ControlProcess:
         """What the main thread waits for between two loops; None: the server has gone."""
         self._watched = Watched(present=False, every=False)
         self._program: LocalProgram | None = None
-        self._sender: TickSender | None = None
         self._main = threading.get_ident()
         with suppress(ValueError):  # not in the main thread, as in a test
             signal.signal(signal.SIGTERM, lambda number, frame: self._stop.set())
@@ -145,12 +143,11 @@ class _ControlProcess:
         if not isinstance(self._orders.get(), Go):
             program.robot.close()
             return None
-        sender = TickSender(engine, self._main, self._send, PATIENCE_S)
-        sender.watched, self._sender = self._watched, sender
+        sender = TickSender(engine, self._main, lambda: self._watched, self._send)
         if self._gone.is_set():
             self._stop.set()
         engine.run(self._stop)
-        sender.finish()
+        sender.finish(PATIENCE_S)
         self._send(Ended(engine.failure))
         if not engine.handed_over or engine.failure is not None:
             return None
@@ -183,8 +180,6 @@ class _ControlProcess:
             self._orders.put(order)
         elif isinstance(order, Watched):
             self._watched = order
-            if self._sender is not None:
-                self._sender.watched = order
         elif isinstance(order, Stop):
             if program is not None:
                 program.engine.handed_over = order.hand_over

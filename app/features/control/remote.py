@@ -16,6 +16,7 @@ from multiprocessing.process import BaseProcess
 from typing import Any
 
 from app.engine.control import ControlLoop
+from app.engine.engine import WARM_UP_TICKS
 from app.engine.problems import LOG, Problem, ProblemState
 from app.engine.program import Program
 from app.engine.robot_facts import RobotFacts
@@ -44,8 +45,6 @@ LOOK_S = 0.05
 """Interval of looking whether the loop shall stop, or who watches now [s]."""
 PATIENCE_S = 2.5
 """A process that was asked to end, or to stop its robot, is killed after this time [s]."""
-WARM_UP_SNAPSHOTS = 500
-"""After so many, all code is loaded: see ``WARM_UP_TICKS`` of the engine."""
 
 
 class ControlProcess:
@@ -173,7 +172,7 @@ class RemoteControl(ControlLoop):
             if message.unbroken:
                 self.every.put(message.snapshot)
             self._count += 1
-            if self._count == WARM_UP_SNAPSHOTS:
+            if self._count == WARM_UP_TICKS:
                 gc.freeze()
         elif message is not None:
             self._hangs = message.where

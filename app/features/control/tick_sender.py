@@ -26,22 +26,24 @@ class TickSender:
     """Sends in a thread of its own: the loop never waits for the server."""
 
     def __init__(
-        self, engine: Engine, loop: int, send: Callable[[object], None], patience: float
+        self,
+        engine: Engine,
+        loop: int,
+        watched: Callable[[], Watched],
+        send: Callable[[object], None],
     ) -> None:
         """Begin to send.
 
         Args:
             engine: whose snapshots are sent; its mailbox is replaced.
             loop: the ``ident`` of the thread that runs it.
+            watched: returns who looks now.
             send: sends a message.
-            patience: how long to wait for the last one at the end [s].
         """
-        self.watched = Watched(present=False, every=False)
-        """Who looks now; another thread replaces it."""
         self._engine = engine
         self._loop = loop
+        self._watched = watched
         self._send = send
-        self._patience = patience
         self._published = threading.Event()
         self._done = threading.Event()
         self._each: Backlog[Snapshot] | None = None
@@ -49,11 +51,11 @@ class TickSender:
         self._thread = threading.Thread(target=self._work, name="ticks", daemon=True)
         self._thread.start()
 
-    def finish(self) -> None:
-        """Send the last snapshot, and end."""
+    def finish(self, patience: float) -> None:
+        """Send the last snapshot, and end; wait for that no longer than ``patience`` [s]."""
         self._done.set()
         self._published.set()
-        self._thread.join(self._patience)
+        self._thread.join(patience)
 
     def _work(self) -> None:
         count, sent, hangs = 0, -math.inf, False
@@ -68,22 +70,23 @@ class TickSender:
                 elif not hangs:
                     hangs = True
                     self._send(Hangs(tuple(self._engine.where_it_hangs(self._loop))))
-                self._subscribe(subscription)
+                watched = self._watched()
+                self._subscribe(watched, subscription)
                 clock = time.monotonic()
-                wanted = self._each is not None or self.watched.present or over
+                wanted = watched.every or watched.present or over
                 if wanted or clock - sent >= UNWATCHED_S:
                     count = self._send_new(count)
                     sent = clock
 
-    def _subscribe(self, subscription: ExitStack) -> None:
+    def _subscribe(self, watched: Watched, subscription: ExitStack) -> None:
         """Have the engine know who looks: its camera rests while nobody does."""
-        if self.watched.every and self._each is None:
+        if watched.every and self._each is None:
             every = self._engine.every
             self._each = subscription.enter_context(every.subscribe(MOST_WAITING))
-        elif not self.watched.every and self._each is not None:
+        elif not watched.every and self._each is not None:
             subscription.close()
             self._each = None
-        if self.watched.present:
+        if watched.present:
             self._engine.audience.visit()
 
     def _send_new(self, count: int) -> int:
