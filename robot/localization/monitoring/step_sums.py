@@ -23,7 +23,9 @@ is the same before and after it, and lateness shows."""
 MOST = 100.0
 """Largest square that a step counts for, in its spreads."""
 MOST_WIGGLE = np.square([0.05, 0.05, 0.2])
+"""Largest square of an unexplained rest that counts [m², m², rad²]."""
 SMALL = 1e-4
+"""Step of derivatives by differences [m, rad, s]."""
 
 
 class StepSums(NamedTuple):
