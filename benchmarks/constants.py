@@ -128,7 +128,7 @@ def _trials(constant: Constant) -> str:
 
 
 def _try_all(constants: list[tuple[Constant, str]], usual: Try) -> None:
-    outcomes = {(): usual.outcome()}
+    outcomes: dict[tuple[tuple[str, str], ...], Outcome] = {(): usual.outcome()}
     print("", *(name for name in outcomes[()] if name != "each"), sep=" | ")
     _print("as it is", outcomes[()], outcomes[()])
     other = replace(usual, other_numbers=OTHER_NUMBERS)
