@@ -167,8 +167,9 @@ def _drawn(drive: LoggedDrive) -> AdjustedDrive:
         for edges in (field_of_drawing(text, "drawn").edges, drive.field.edges)
         for points, normals in [sample(edges, STEP)]
     )
-    away, lacking = cKDTree(true).query(own)[0], cKDTree(own).query(true)[0]
-    figures = 1e3 * away.mean(), 1e3 * away.max(), 100 * (lacking > SAME_EDGE).mean()
+    away = np.asarray(cKDTree(true).query(own)[0])
+    lacking = np.asarray(cKDTree(own).query(true)[0]) > SAME_EDGE
+    figures = 1e3 * float(away.mean()), 1e3 * float(away.max()), 100 * float(lacking.mean())
     return AdjustedDrive(figures, zlib.crc32(text.encode()))
 
 
