@@ -75,7 +75,7 @@ class Constant:
                 users += [(module, each) for module, each in own if _names(each, ast.Load) & read]
         while True:
             called = {each.name for _, each in users}
-            more = [one for one in functions if one not in users and _calls(one[1], called)]
+            more = [each for each in functions if each not in users and _calls(each[1], called)]
             if not more:
                 return tuple((module, each.name) for module, each in users)
             users += more
@@ -156,8 +156,8 @@ def _calls(function: ast.FunctionDef, names: set[str]) -> bool:
 
 
 def _names(statement: ast.stmt, context: type[ast.expr_context]) -> set[str]:
-    found = (each for each in ast.walk(statement) if isinstance(each, ast.Name))
-    return {each.id for each in found if isinstance(each.ctx, context)}
+    names = (each for each in ast.walk(statement) if isinstance(each, ast.Name))
+    return {name.id for name in names if isinstance(name.ctx, context)}
 
 
 def _changed(tree: ast.Module, name: str, value: str) -> ast.Module:

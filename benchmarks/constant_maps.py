@@ -131,17 +131,17 @@ def tried(drives: list[LoggedDrive], other_numbers: int) -> dict[str, Any]:
         except (MappingError, CalibrationError):
             results.append(FAILED)
     maps, robots = results[: len(DRAWN)], results[len(DRAWN) :]
-    means, largest, missing = np.array([one.figures for one in maps]).T
-    paths, off, most = np.array([one.figures for one in robots]).T
+    means, largest, missing = np.array([drawn.figures for drawn in maps]).T
+    paths, medians, most = np.array([calibrated.figures for calibrated in robots]).T
     return {
         "map's edges off [mm]": float(np.nanmean(means)),
         "at most [mm]": float(np.nanmax(largest)),
         "not drawn [%]": float(np.nanmean(missing)),
         "calibrated path off [mm]": float(np.nanmean(paths)),
-        "unknowns off, median [sd]": float(np.nanmean(off)),
+        "unknowns off, median [sd]": float(np.nanmean(medians)),
         "at most [sd]": float(np.nanmax(most)),
-        "refused": sum(one is FAILED for one in results),
-        "each": [one.number for one in results],
+        "refused": results.count(FAILED),
+        "each": [result.number for result in results],
     }
 
 
@@ -176,9 +176,9 @@ def _drawn(drive: LoggedDrive) -> AdjustedDrive:
 def _calibrated(drive: LoggedDrive) -> AdjustedDrive:
     """Calibrate; the path's error [mm], and the unknowns' median and largest error by their sd."""
     start = Pose2.from_array(drive.path[0]) @ PLACED
-    found = calibrate(drive.log, RobotSpec.load(), drive.field, start, START_COVARIANCE)
-    poses = found.solution.state.poses
-    off = np.hypot(*(poses - drive.path)[:, :2].T)
-    errors = np.abs(found.values[:ROBOT] - drive.values[:ROBOT]) / found.sd[:ROBOT]
-    figures = 1e3 * float(np.sqrt(np.mean(off**2))), float(np.median(errors)), float(errors.max())
-    return AdjustedDrive(figures, zlib.crc32(found.values.tobytes()))
+    calibrated = calibrate(drive.log, RobotSpec.load(), drive.field, start, START_COVARIANCE)
+    away = np.hypot(*(calibrated.solution.state.poses - drive.path)[:, :2].T)
+    errors = np.abs(calibrated.values[:ROBOT] - drive.values[:ROBOT]) / calibrated.sd[:ROBOT]
+    path = 1e3 * float(np.sqrt(np.mean(away**2)))
+    figures = path, float(np.median(errors)), float(errors.max())
+    return AdjustedDrive(figures, zlib.crc32(calibrated.values.tobytes()))

@@ -73,14 +73,14 @@ def tried(seen: list[SeenField], other_numbers: int) -> dict[str, Any]:
     view = RobotSpec.load().floor_view
     figures: dict[str, float] = {}
     each = []
-    for one in recorded(None, other_numbers) if other_numbers else seen:
-        scanner = LineScanner(view, LineScannerSettings(), one.field.tape)
-        ranges = [scanner.scan(Frame(0.0, trial.picture)).scan.ranges for trial in one.pictures]
+    for floor in recorded(None, other_numbers) if other_numbers else seen:
+        scanner = LineScanner(view, LineScannerSettings(), floor.field.tape)
+        ranges = [scanner.scan(Frame(0.0, trial.picture)).scan.ranges for trial in floor.pictures]
         each += [zlib.crc32(some.tobytes()) for some in ranges]
-        found = score(0.0, ranges, one.pictures)
+        judged = score(0.0, ranges, floor.pictures)
         figures |= {
-            f"{one.name}: sd [mm]": found.sd_mm,
-            f"{one.name}: missed [%]": found.missed_percent,
-            f"{one.name}: false [%]": found.false_percent,
+            f"{floor.name}: sd [mm]": judged.sd_mm,
+            f"{floor.name}: missed [%]": judged.missed_percent,
+            f"{floor.name}: false [%]": judged.false_percent,
         }
     return figures | {"each": each}

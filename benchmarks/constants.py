@@ -148,7 +148,7 @@ def _print(name: str, outcome: Outcome, usual: Outcome) -> None:
     """Print a line: the figures, and how many of the results are other than usual."""
     figures = [f"{value:.2f}" for key, value in outcome.items() if key != "each"]
     pairs = list(zip(outcome["each"], usual["each"], strict=True))
-    other = sum(one != before for one, before in pairs) / len(pairs)
+    other = sum(result != before for result, before in pairs) / len(pairs)
     print(name, *figures, f"{100 * other:.1f} % of results differ", sep=" | ", flush=True)
 
 
