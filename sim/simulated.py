@@ -39,8 +39,8 @@ class SimSettings:
 
     engine: str = setting(
         "auto",
-        "Which physics engine moves the robot; auto is bullet (pybullet) where it is installed, "
-        "elsewhere mujoco",
+        "Which physics engine moves the robot; auto is mujoco, or another one that is installed if "
+        "that cannot be loaded",
         choices=CHOICES,
     )
     camera: CameraSettings = CameraSettings()
