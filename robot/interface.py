@@ -21,7 +21,7 @@ RESTING_PERIOD = 0.2
 place for half a second at most."""
 
 RESTING_TICK = 0.1
-"""Time between two readings of a robot that rests [s]: who comes, and a command, waits no longer."""
+"""Time between two readings of a robot that rests [s]: nobody who comes waits longer."""
 
 
 class RobotError(BrickPoseError, RuntimeError):
