@@ -10,7 +10,7 @@ from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from app.feature import Feature, Guest, Panel
+from app.feature import Feature, Guest, Panel, SettingOption
 from app.languages.marking import phrase
 from robot.errors import BrickPoseError, one_line
 from robot.settings import SettingError
@@ -89,10 +89,16 @@ class Features:
         Raises:
             FeatureError: a feature's own code fails; names it.
         """
+        from app.options import add_setting  # noqa: PLC0415 - help needs no settings
+
         for feature in self.active:
             with _named(feature):
                 for options in feature.run_options:
-                    if options.replays or not replays:
+                    if replays and not options.replays:
+                        continue
+                    if isinstance(options, SettingOption):
+                        add_setting(parser, options, _own(feature))
+                    else:
                         options.add(parser)
 
     def with_run_options(self, config: Config, given: Mapping[str, Any]) -> Config:
@@ -102,10 +108,15 @@ class Features:
             SettingError: a value is invalid.
             FeatureError: a feature's own code fails; names it.
         """
+        from app.options import with_setting  # noqa: PLC0415
+
         for feature in self.active:
             with _named(feature):
                 for options in feature.run_options:
-                    config = options.apply(config, given)
+                    if not isinstance(options, SettingOption):
+                        config = options.apply(config, given)
+                    elif options.key in given:
+                        config = with_setting(config, options, given[options.key], _own(feature))
         return config
 
     def guests(self, config: Config) -> tuple[Guest, ...]:
@@ -235,6 +246,10 @@ def _of_type(kind: type[T], part: object) -> T:
     if not isinstance(part, kind):
         raise FeatureError(f"it makes a {type(part).__name__}; valid is a {kind.__name__}")
     return part
+
+
+def _own(feature: Feature) -> Any:
+    return None if feature.settings is None else feature.settings()
 
 
 def failure_of(name: str, error: BaseException) -> str:

@@ -3,31 +3,81 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Mapping
+import functools
+from collections.abc import Iterable, Mapping
+from copy import deepcopy
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
+from app.feature import SettingOption
 from app.settings.conditions import apply_condition, condition_names
-from app.settings.config import Config, load_config
+from app.settings.config import Config, as_table, load_config
+from robot.settings import describe
 
-OPTIONS = ("robot", "profile", "host", "port", "seed")
-"""Options that set the top-level settings of the same names."""
+SETTINGS = {
+    option.key: option
+    for option in (
+        SettingOption("robot", "NAME"),
+        SettingOption("build_hat.serial_port", "DEVICE"),
+        SettingOption("camera.source", "SOURCE", name="camera"),
+        SettingOption("map", "NAME|FILE"),
+        SettingOption("host"),
+        SettingOption("port"),
+        SettingOption("seed", "N"),
+        SettingOption("profile", "PROFILE.toml"),
+        SettingOption("start_pose.restore_pose"),
+        SettingOption("start_pose.pose_file", "FILE"),
+    )
+}
+"""Options that set settings, by what is typed."""
 
-START_OPTIONS = ("restore_pose", "pose_file")
-"""Options that set the settings of the same names in ``start_pose``."""
+KINDS: dict[tuple[type, bool], dict[str, Any]] = {
+    (bool, False): {"action": "store_true"},
+    (int, False): {"type": int},
+    (float, False): {"type": float},
+    (str, False): {},
+}
+"""What argparse is told of a setting, by its type, and whether it is true by default."""
 
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
+T = TypeVar("T", bound="DataclassInstance")
 Commands = Any
 """What ``add_subparsers`` returns."""
 
 
-def add_map(command: argparse.ArgumentParser) -> None:
-    """Add the option for the field."""
+def add_settings(command: argparse.ArgumentParser, *names: str) -> None:
+    """Add options of ``SETTINGS``."""
+    for name in names:
+        add_setting(command, SETTINGS[name])
+
+
+def add_setting(
+    command: argparse.ArgumentParser, option: SettingOption, own: object = None
+) -> None:
+    """Add the option of a setting: of the program's, or of a feature's ``own``.
+
+    Raises:
+        LookupError: there is no such setting, or its type is none that can be typed.
+    """
+    try:
+        *tables, name = option.path.split(".")
+        group: Any = Config()
+        if not _is_ours(option):
+            group, tables = own, tables[1:]
+        group = functools.reduce(getattr, tables, group)
+        known, default = describe(group)[name], getattr(group, name)
+        kind = KINDS[type(default), default is True]
+    except (AttributeError, KeyError, TypeError) as error:
+        raise LookupError(f"no option can set {option.path}; valid is a setting's path") from error
+    words = known.meaning[0].lower() + known.meaning[1:] + (known.unit and f" [{known.unit}]")
+    if default is not False and default != "":
+        words += f" (default: {default})"
+    more = kind if option.metavar is None else kind | {"metavar": option.metavar}
     command.add_argument(
-        "--map",
-        metavar="NAME|FILE",
-        help="a field of maps/, generated-N (from a seed), or an .svg or .yaml file "
-        f"(default: {Config().map})",
+        f"--{option.key.replace('_', '-')}", dest=option.key, help=words.replace("%", "%%"), **more
     )
 
 
@@ -43,16 +93,6 @@ def add_condition(command: argparse.ArgumentParser, *, many: bool = False) -> No
     )
 
 
-def add_profile(command: argparse.ArgumentParser) -> None:
-    """Add the option for the robot's profile."""
-    command.add_argument(
-        "--profile",
-        metavar="PROFILE.toml",
-        help="what `brickpose calibrate` has measured of the robot; none: it is as described "
-        "(default: the real robot's own, see docs/calibration.md)",
-    )
-
-
 def add_config(command: argparse.ArgumentParser) -> None:
     """Add the option for a file of settings."""
     command.add_argument(
@@ -63,59 +103,46 @@ def add_config(command: argparse.ArgumentParser) -> None:
     )
 
 
-def add_address(command: argparse.ArgumentParser) -> None:
-    """Add the options for the address of the page."""
-    default = Config()
-    command.add_argument(
-        "--host", help=f"address to listen on; 0.0.0.0 is all (default: {default.host})"
-    )
-    command.add_argument(
-        "--port",
-        type=int,
-        help=f"port to listen on; 0 is any free one (default: {default.port})",
-    )
-
-
-def add_serial_port(command: argparse.ArgumentParser) -> None:
-    """Add the option for the Build HAT's serial port."""
-    command.add_argument(
-        "--serial-port",
-        metavar="DEVICE",
-        help="the Build HAT's serial port (default: that of this Pi)",
-    )
-
-
-def add_camera(command: argparse.ArgumentParser) -> None:
-    """Add the option for the real robot's camera."""
-    command.add_argument(
-        "--camera",
-        metavar="SOURCE",
-        help="the real robot's camera: pi, /dev/video0, a folder of pictures, a video file "
-        "(default: the first that delivers pictures)",
-    )
-
-
 def config_from(parsed: argparse.Namespace) -> Config:
     """Return the configuration of the file, if one is given, overridden by the other options."""
     given = vars(parsed)
-    config = config_of(given)
-    over = {name: given[name] for name in OPTIONS if name in given}
-    over_start = {name: given[name] for name in START_OPTIONS if name in given}
-    config = replace(config, start_pose=replace(config.start_pose, **over_start))
-    if "serial_port" in given:
-        over["build_hat"] = replace(config.build_hat, serial_port=given["serial_port"])
-    if "camera" in given:
-        over["camera"] = replace(config.camera, source=given["camera"])
-    config = replace(config, **over)
+    config = config_of(given, SETTINGS)
     if "features" in given:
         config = given["features"].with_run_options(config, given)
     return apply_condition(config, given["condition"]) if "condition" in given else config
 
 
-def config_of(given: dict[str, Any]) -> Config:
-    """Return the configuration of the file, if one is given, overridden by map and profile."""
+def config_of(given: dict[str, Any], names: Iterable[str] = ("map", "profile")) -> Config:
+    """Return the configuration of the file, if one is given, overridden by named options."""
     config = config_file(given)
-    return replace(config, **{name: given[name] for name in ("map", "profile") if name in given})
+    for name in names:
+        if name in given:
+            config = with_setting(config, SETTINGS[name], given[name])
+    return config
+
+
+def with_setting(
+    config: Config, option: SettingOption, value: Any, own: DataclassInstance | None = None
+) -> Config:
+    """Return the configuration with a setting: of the program's, or of a feature's ``own``.
+
+    Raises:
+        SettingError: the value is invalid.
+    """
+    if own is None or _is_ours(option):
+        return _replaced(config, option.path, value)
+    config = replace(config, added=as_table({option.path: value}, deepcopy(dict(config.added))))
+    config.group(option.path.partition(".")[0], own)
+    return config
+
+
+def _is_ours(option: SettingOption) -> bool:
+    return hasattr(Config(), option.path.partition(".")[0])
+
+
+def _replaced(group: T, path: str, value: Any) -> T:
+    name, _, rest = path.partition(".")
+    return replace(group, **{name: _replaced(getattr(group, name), rest, value) if rest else value})
 
 
 def config_file(given: Mapping[str, Any]) -> Config:
