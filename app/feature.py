@@ -94,6 +94,11 @@ class SettingOption:
         """Its name among what was typed."""
         return self.name or self.path.rpartition(".")[2]
 
+    @property
+    def flag(self) -> str:
+        """What is typed, as ``--pose-file``."""
+        return f"--{self.key.replace('_', '-')}"
+
 
 @dataclass(frozen=True)
 class Guest:

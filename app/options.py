@@ -76,9 +76,7 @@ def add_setting(
     if default is not False and default != "":
         words += f" (default: {default})"
     more = kind if option.metavar is None else kind | {"metavar": option.metavar}
-    command.add_argument(
-        f"--{option.key.replace('_', '-')}", dest=option.key, help=words.replace("%", "%%"), **more
-    )
+    command.add_argument(option.flag, dest=option.key, help=words.replace("%", "%%"), **more)
 
 
 def add_condition(command: argparse.ArgumentParser, *, many: bool = False) -> None:

@@ -159,3 +159,15 @@ def test_the_help_of_an_option_begins_small_and_has_the_default():
     parser = argparse.ArgumentParser()
     add_setting(parser, SETTINGS["host"])
     assert parser._actions[-1].help == "address to listen on; 0.0.0.0 is all (default: 127.0.0.1)"
+
+
+@pytest.mark.parametrize(
+    ("words", "port"), [((), "found"), (("auto",), "found"), (("/dev/ttyUSB0",), "/dev/ttyUSB0")]
+)
+def test_motors_are_stopped_at_the_port_that_is_meant(words, port, monkeypatch):
+    stopped = []
+    monkeypatch.setattr("robot.hat.serial_port.find_device", lambda: "found")
+    monkeypatch.setattr("robot.hat.serial_port.stop_motors", stopped.append)
+    parsed = parse(["stop-motors", *(("--serial-port", *words) if words else ())])
+    assert parsed.command(parsed) == 0
+    assert stopped == [port]
