@@ -82,6 +82,8 @@ class SettingOption:
 
     path: str
     """The setting's, as ``ros2.dds``; of the feature's own as ``NAME.setting``."""
+    settings: Callable[[], Any] | None = None
+    """The feature's ``settings``, if it is one of them; none is the program's."""
     metavar: str | None = None
     """What help calls its value; none is its name in capitals."""
     name: str = ""
@@ -98,6 +100,14 @@ class SettingOption:
     def flag(self) -> str:
         """What is typed, as ``--pose-file``."""
         return f"--{self.key.replace('_', '-')}"
+
+    def add(self, parser: ArgumentParser) -> None:
+        """Add it to a command's parser."""
+        Late("app.options:add_setting")(parser, self)
+
+    def apply(self, config: Config, given: Mapping[str, Any]) -> Any:
+        """Return the ``Config`` with what was typed."""
+        return Late("app.options:with_setting")(config, self, given)
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from app.feature import Feature, Guest, Panel, SettingOption
+from app.feature import Feature, Guest, Panel
 from app.languages.marking import phrase
 from robot.errors import BrickPoseError, one_line
 from robot.settings import SettingError
@@ -42,7 +42,7 @@ class FeatureError(BrickPoseError, RuntimeError):
     """A feature cannot be used; the message says why, and how to do without it."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Features:
     """The features of one start of the program."""
 
@@ -89,16 +89,10 @@ class Features:
         Raises:
             FeatureError: a feature's own code fails; names it.
         """
-        from app.options import add_setting  # noqa: PLC0415 - help needs no settings
-
         for feature in self.active:
             with _named(feature):
                 for options in feature.run_options:
-                    if replays and not options.replays:
-                        continue
-                    if isinstance(options, SettingOption):
-                        add_setting(parser, options, _own(feature))
-                    else:
+                    if options.replays or not replays:
                         options.add(parser)
 
     def with_run_options(self, config: Config, given: Mapping[str, Any]) -> Config:
@@ -108,15 +102,10 @@ class Features:
             SettingError: a value is invalid.
             FeatureError: a feature's own code fails; names it.
         """
-        from app.options import with_setting  # noqa: PLC0415
-
         for feature in self.active:
             with _named(feature):
                 for options in feature.run_options:
-                    if not isinstance(options, SettingOption):
-                        config = options.apply(config, given)
-                    elif options.key in given:
-                        config = with_setting(config, options, given[options.key], _own(feature))
+                    config = options.apply(config, given)
         return config
 
     def guests(self, config: Config) -> tuple[Guest, ...]:
@@ -246,10 +235,6 @@ def _of_type(kind: type[T], part: object) -> T:
     if not isinstance(part, kind):
         raise FeatureError(f"it makes a {type(part).__name__}; valid is a {kind.__name__}")
     return part
-
-
-def _own(feature: Feature) -> Any:
-    return None if feature.settings is None else feature.settings()
 
 
 def failure_of(name: str, error: BaseException) -> str:

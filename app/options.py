@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from copy import deepcopy
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any
 
 from app.feature import SettingOption
 from app.settings.conditions import apply_condition, condition_names
@@ -18,34 +18,19 @@ from robot.settings import describe
 SETTINGS = {
     option.key: option
     for option in (
-        SettingOption("robot", "NAME"),
-        SettingOption("build_hat.serial_port", "DEVICE"),
-        SettingOption("camera.source", "SOURCE", name="camera"),
-        SettingOption("map", "NAME|FILE"),
+        SettingOption("robot", metavar="NAME"),
+        SettingOption("build_hat.serial_port", metavar="DEVICE"),
+        SettingOption("camera.source", metavar="SOURCE", name="camera"),
+        SettingOption("map", metavar="NAME|FILE"),
         SettingOption("host"),
         SettingOption("port"),
-        SettingOption("seed", "N"),
-        SettingOption("profile", "PROFILE.toml"),
+        SettingOption("seed", metavar="N"),
+        SettingOption("profile", metavar="PROFILE.toml"),
         SettingOption("start_pose.restore_pose"),
-        SettingOption("start_pose.pose_file", "FILE"),
+        SettingOption("start_pose.pose_file", metavar="FILE"),
     )
 }
 """Options that set settings, by what is typed."""
-
-KINDS: dict[tuple[type, bool], dict[str, Any]] = {
-    (bool, False): {"action": "store_true"},
-    (int, False): {"type": int},
-    (float, False): {"type": float},
-    (str, False): {},
-}
-"""What argparse is told of a setting, by its type, and whether it is true by default."""
-
-if TYPE_CHECKING:
-    from _typeshed import DataclassInstance
-
-T = TypeVar("T", bound="DataclassInstance")
-Commands = Any
-"""What ``add_subparsers`` returns."""
 
 
 def add_settings(command: argparse.ArgumentParser, *names: str) -> None:
@@ -54,29 +39,29 @@ def add_settings(command: argparse.ArgumentParser, *names: str) -> None:
         add_setting(command, SETTINGS[name])
 
 
-def add_setting(
-    command: argparse.ArgumentParser, option: SettingOption, own: object = None
-) -> None:
-    """Add the option of a setting: of the program's, or of a feature's ``own``.
+def add_setting(command: argparse.ArgumentParser, option: SettingOption) -> None:
+    """Add the option of a setting.
 
     Raises:
         LookupError: there is no such setting, or its type is none that can be typed.
     """
+    *tables, name = option.path.split(".")
+    group: Any = Config()
+    if option.settings is not None:
+        group, tables = option.settings(), tables[1:]
     try:
-        *tables, name = option.path.split(".")
-        group: Any = Config()
-        if not _is_ours(option):
-            group, tables = own, tables[1:]
         group = functools.reduce(getattr, tables, group)
         known, default = describe(group)[name], getattr(group, name)
-        kind = KINDS[type(default), default is True]
+        kind: dict[str, Any] = {"action": "store_true"}
+        if default is not False:
+            kind = {"type": {str: str, int: int, float: float}[type(default)]}
+            kind["metavar"] = option.metavar
     except (AttributeError, KeyError, TypeError) as error:
         raise LookupError(f"no option can set {option.path}; valid is a setting's path") from error
     words = known.meaning[0].lower() + known.meaning[1:] + (known.unit and f" [{known.unit}]")
     if default is not False and default != "":
         words += f" (default: {default})"
-    more = kind if option.metavar is None else kind | {"metavar": option.metavar}
-    command.add_argument(option.flag, dest=option.key, help=words.replace("%", "%%"), **more)
+    command.add_argument(option.flag, help=words.replace("%", "%%"), **kind)
 
 
 def add_condition(command: argparse.ArgumentParser, *, many: bool = False) -> None:
@@ -93,12 +78,8 @@ def add_condition(command: argparse.ArgumentParser, *, many: bool = False) -> No
 
 def add_config(command: argparse.ArgumentParser) -> None:
     """Add the option for a file of settings."""
-    command.add_argument(
-        "--config",
-        type=Path,
-        metavar="FILE.toml",
-        help="settings (docs/configuration.md); options win over them",
-    )
+    words = "settings (docs/configuration.md); options win over them"
+    command.add_argument("--config", type=Path, metavar="FILE.toml", help=words)
 
 
 def config_from(parsed: argparse.Namespace) -> Config:
@@ -114,31 +95,28 @@ def config_of(given: dict[str, Any], names: Iterable[str] = ("map", "profile")) 
     """Return the configuration of the file, if one is given, overridden by named options."""
     config = config_file(given)
     for name in names:
-        if name in given:
-            config = with_setting(config, SETTINGS[name], given[name])
+        config = with_setting(config, SETTINGS[name], given)
     return config
 
 
-def with_setting(
-    config: Config, option: SettingOption, value: Any, own: DataclassInstance | None = None
-) -> Config:
-    """Return the configuration with a setting: of the program's, or of a feature's ``own``.
+def with_setting(config: Config, option: SettingOption, given: Mapping[str, Any]) -> Config:
+    """Return the configuration with a setting, if its option was typed.
 
     Raises:
         SettingError: the value is invalid.
     """
-    if own is None or _is_ours(option):
-        return _replaced(config, option.path, value)
-    config = replace(config, added=as_table({option.path: value}, deepcopy(dict(config.added))))
-    config.group(option.path.partition(".")[0], own)
+    if option.key not in given:
+        return config
+    value = given[option.key]
+    if option.settings is None:
+        config = _replaced(config, option.path, value)
+    else:
+        config = replace(config, added=as_table({option.path: value}, deepcopy(dict(config.added))))
+        config.group(option.path.partition(".")[0], option.settings())
     return config
 
 
-def _is_ours(option: SettingOption) -> bool:
-    return hasattr(Config(), option.path.partition(".")[0])
-
-
-def _replaced(group: T, path: str, value: Any) -> T:
+def _replaced(group: Any, path: str, value: Any) -> Any:
     name, _, rest = path.partition(".")
     return replace(group, **{name: _replaced(getattr(group, name), rest, value) if rest else value})
 

@@ -105,7 +105,7 @@ def test_a_value_of_another_type_is_refused_by_the_option(capsys):
 
 
 def test_a_feature_has_options_for_its_own_settings(capsys):
-    features = lamps(*(SettingOption(f"lamps.{name}") for name in LAMPS))
+    features = lamps(*(SettingOption(f"lamps.{name}", LampSettings) for name in LAMPS))
     given = ("--bright", "--colour", "green", "--count", "5", "--share", "0.25")
     config = config_from(typed(features, *given))
     assert config.group("lamps", LampSettings()) == LampSettings(True, "green", 5, 0.25)
@@ -126,13 +126,13 @@ def test_a_feature_has_options_for_its_own_settings(capsys):
     ],
 )
 def test_a_feature_refuses_what_its_own_settings_refuse(words, message):
-    features = lamps(*(SettingOption(f"lamps.{name}") for name in LAMPS))
+    features = lamps(*(SettingOption(f"lamps.{name}", LampSettings) for name in LAMPS))
     with pytest.raises(SettingError, match=message):
         config_from(typed(features, *words))
 
 
 def test_an_option_keeps_what_a_file_says_in_the_same_table():
-    features = lamps(SettingOption("lamps.count", "N", name="leds_a_lamp"))
+    features = lamps(SettingOption("lamps.count", LampSettings, "N", name="leds_a_lamp"))
     config = features.with_run_options(
         Config(added={"lamps": {"colour": "green"}}), {"leds_a_lamp": 7}
     )
@@ -141,15 +141,16 @@ def test_an_option_keeps_what_a_file_says_in_the_same_table():
 
 @pytest.mark.parametrize("path", ["lamps.heat", "lamps", "ros2.heat", "rso2.dds", *UNTYPED])
 def test_an_option_of_no_setting_names_feature_and_path(path):
-    with pytest.raises(FeatureError, match=f"feature lamps .* no option can set {path}; valid is"):
-        lamps(SettingOption(path)).add_run_options(CommandParser())
-    bare = Features((Feature(name="lamps", about="", run_options=(SettingOption(path),)),))
-    with pytest.raises(FeatureError, match=f"no option can set {path}; valid is"):
-        bare.add_run_options(CommandParser())
+    for settings in (None, LampSettings):
+        with pytest.raises(FeatureError, match=f"feature lamps .* no option can set {path}; valid"):
+            lamps(SettingOption(path, settings)).add_run_options(CommandParser())
 
 
 def test_a_replay_has_the_options_that_say_so():
-    features = lamps(SettingOption("lamps.count", replays=True), SettingOption("lamps.bright"))
+    features = lamps(
+        SettingOption("lamps.count", LampSettings, replays=True),
+        SettingOption("lamps.bright", LampSettings),
+    )
     assert typed(features, "--count", "4", replays=True).count == 4
     with pytest.raises(SystemExit):
         typed(features, "--bright", replays=True)

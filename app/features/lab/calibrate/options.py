@@ -8,7 +8,10 @@ from typing import Any
 
 from app.command_parser import NO_OPTIONS, CommandParser
 from app.interruption import interruptible
-from app.options import Commands, add_condition, add_config, add_settings
+from app.options import add_condition, add_config, add_settings
+
+Commands = Any
+"""What ``add_subparsers`` returns."""
 
 
 def add_calibrate(command: CommandParser) -> None:
