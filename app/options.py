@@ -45,12 +45,11 @@ def add_setting(command: argparse.ArgumentParser, option: SettingOption) -> None
     Raises:
         LookupError: there is no such setting, or its type is none that can be typed.
     """
-    *tables, name = option.path.split(".")
-    group: Any = Config()
-    if option.settings is not None:
-        group, tables = option.settings(), tables[1:]
+    tables = option.path.split(".")
+    name = tables.pop()
+    own = option.settings and option.settings()
     try:
-        group = functools.reduce(getattr, tables, group)
+        group: Any = functools.reduce(getattr, tables[1:] if own else tables, own or Config())
         known, default = describe(group)[name], getattr(group, name)
         kind: dict[str, Any] = {"action": "store_true"}
         if default is not False:
@@ -105,13 +104,11 @@ def with_setting(config: Config, option: SettingOption, given: Mapping[str, Any]
     Raises:
         SettingError: the value is invalid.
     """
-    if option.key not in given:
-        return config
-    value = given[option.key]
-    if option.settings is None:
-        config = _replaced(config, option.path, value)
-    else:
-        config = replace(config, added=as_table({option.path: value}, deepcopy(dict(config.added))))
+    if option.key in given and option.settings is None:
+        config = _replaced(config, option.path, given[option.key])
+    elif option.key in given and option.settings is not None:
+        added = as_table({option.path: given[option.key]}, deepcopy(dict(config.added)))
+        config = replace(config, added=added)
         config.group(option.path.partition(".")[0], option.settings())
     return config
 
