@@ -20,7 +20,15 @@ from serving import ROOT, drive_until, serving
 from app.command_line import SUBCOMMANDS, main, parse
 from app.command_parser import CommandParser
 from app.engine import plugging
-from app.feature import Feature, Guest, Late, Panel, RunOptions, Subcommand
+from app.feature import (
+    Feature,
+    Guest,
+    Late,
+    Panel,
+    RunOptions,
+    SettingOption,
+    Subcommand,
+)
 from app.feature_search import FeatureError, Features, find_features
 from app.options import config_from
 from app.settings.config import Config, with_settings
@@ -77,7 +85,12 @@ LATE = {
         *feature.checks,
         *feature.lens_files,
         *feature.fields,
-        *(late for each in feature.run_options for late in (each.add, each.apply)),
+        *(
+            late
+            for each in feature.run_options
+            if isinstance(each, RunOptions)
+            for late in (each.add, each.apply)
+        ),
         feature.outlet,
     )
     if isinstance(late, Late)
@@ -350,7 +363,9 @@ def test_help_imports_nothing_that_a_command_needs():
             assert subcommand.name in done.stdout
 
 
-@pytest.mark.parametrize("record", [Feature, FieldSource, Guest, Panel, RunOptions, Subcommand])
+@pytest.mark.parametrize(
+    "record", [Feature, FieldSource, Guest, Panel, RunOptions, SettingOption, Subcommand]
+)
 def test_every_hook_is_documented(record):
     document = (ROOT / "docs" / "extending.md").read_text(encoding="utf-8")
     for field in dataclasses.fields(record):
