@@ -13,6 +13,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robot import ray_columns as column
 from robot.compiling import compiled
@@ -46,12 +47,14 @@ END = 0.06
 ACROSS = 0.06
 """If a ray leaves tape by its end before it crosses this width [m], it may find it too narrow."""
 
-_DUE, _BEHIND, _MET_X, _MET_Y, _SEEN, _THING = range(6)
-"""Columns of what rays meet (n, 6): the distance of the expected edge [m], infinite without one;
-that of the edge behind it [m], if the expected edge may be missed, else infinite; where the ray
-meets the expected edge [m]; 0 if the ray meets no edge, or one that is hidden or at the border of
-its sight, 1 if the edge may be missed at its end, 2 if it should be seen; 1 if something lies there
-that is not drawn, else 0."""
+ROUNDED = 1e-6
+"""More than sums of log-likelihoods differ by rounding."""
+
+_MET_X, _MET_Y, _SEEN, _THING, _HIT = range(5)
+"""Columns of what rays meet (n, 5): where the ray meets the expected edge [m]; 0 if the ray meets
+no edge, or one that is hidden or at the border of its sight, 1 if the edge may be missed at its
+end, 2 if it should be seen; 1 if something lies there that is not drawn, else 0; and the
+log-likelihood of what it returned, 0 without a return."""
 
 
 class RayEvidence(NamedTuple):
@@ -100,9 +103,27 @@ class RayEvidence(NamedTuple):
         """Return the mean log-likelihood of rays (n, 9) at a pose."""
         return float(self.log_likelihoods(pose.to_array()[None], rays)[0])
 
-    def log_likelihoods(self, poses: Array, rays: Array) -> Array:
-        """Return the mean log-likelihood (m,) of rays (n, 9) at each of the poses (m, 3)."""
-        return _at_each(poses, rays, self)
+    def log_likelihoods(self, poses: Array, rays: Array, within: float = math.inf) -> Array:
+        """Return the mean log-likelihood (m,) of rays (n, 9) at each of the poses (m, 3).
+
+        It may be -inf at a pose where it is more than ``within`` below that at an earlier pose.
+        """
+        return ray_log_likelihoods(poses, rays, self, within)
+
+
+@compiled()
+def ray_log_likelihoods(poses: Array, rays: Array, evidence: RayEvidence, within: float) -> Array:
+    """Return the mean log-likelihood (m,) of rays (n, 9) at each of the poses (m, 3).
+
+    It may be -inf at a pose where it is more than ``within`` below that at an earlier pose. Of such
+    a pose, a third of the rays tell enough.
+    """
+    logs, best = np.empty(len(poses)), -np.inf
+    peaks = _log_peaks(rays, evidence)
+    for i in range(len(poses)):
+        logs[i] = _log_likelihood(poses[i], rays, evidence, peaks, best - within)
+        best = max(best, logs[i])
+    return logs
 
 
 @compiled()
@@ -111,94 +132,90 @@ def ray_log_likelihood(pose: Array, rays: Array, evidence: RayEvidence) -> float
 
     Rays that see nowhere do not count. It is 0 if no ray is left.
     """
-    dues, range_max = np.empty((len(rays), 6)), evidence.range_max
-    c, s = math.cos(pose[2]), math.sin(pose[2])
-    for i in range(len(rays)):
-        if math.isnan(rays[i, column.NEAR]):
-            dues[i, _SEEN] = 0.0
-            continue
-        heading = pose[2] + rays[i, column.DIRECTION]
-        dx, dy = math.cos(heading), math.sin(heading)
-        near, far = rays[i, column.NEAR], min(rays[i, column.FAR], range_max)
-        x = pose[0] + c * rays[i, column.X] - s * rays[i, column.Y] + near * dx
-        y = pose[1] + s * rays[i, column.X] + c * rays[i, column.Y] + near * dy
-        hidden = rays[i, column.HIDDEN_FROM] - near, rays[i, column.HIDDEN_TO] - near
-        _look((x, y), (dx, dy), far - near, hidden, evidence, dues[i])
-    total, counted = 0.0, 0
-    for i in range(len(rays)):
-        if math.isnan(rays[i, column.NEAR]):
-            continue
-        counted += 1
-        if dues[i, _THING] > 0:
-            total += math.log(THING)
-        due, behind = dues[i, _DUE], dues[i, _BEHIND]
-        result = rays[i, column.RANGE] - rays[i, column.NEAR]
-        if math.isfinite(result):
-            slope = evidence.slope
-            wide = evidence.sd * (1 + slope * rays[i, column.RANGE] * rays[i, column.RANGE])
-            density = UNEXPECTED_SHARE / range_max
-            if math.isfinite(due):
-                density = _density(result - due, wide, range_max, rays[i, column.CLEAR])
-            if math.isfinite(behind):
-                farther = _density(result - behind, wide, range_max, rays[i, column.CLEAR])
-                density = max(density, farther)
-            total += math.log(density)
-        elif dues[i, _SEEN] > 1 and _is_supported(dues, i, evidence.sight.support):
-            missed = evidence.missed
-            total += math.log(missed + SEEN * (1 - rays[i, column.CLEAR]) * (1 - missed))
-    return total / max(counted, 1)
+    return _log_likelihood(pose, rays, evidence, np.zeros(len(rays)), -np.inf)
 
 
 @compiled()
-def _at_each(poses: Array, rays: Array, evidence: RayEvidence) -> Array:
-    logs = np.empty(len(poses))
-    for i in range(len(poses)):
-        logs[i] = ray_log_likelihood(poses[i], rays, evidence)
-    return logs
+def _log_peaks(rays: Array, evidence: RayEvidence) -> Array:
+    """Return the largest log-likelihood (n,) that each of the rays (n, 9) can have anywhere."""
+    peaks = np.zeros(len(rays))
+    for i in range(len(rays)):
+        length = rays[i, column.RANGE]
+        if math.isfinite(length):
+            wide = evidence.sd * (1 + evidence.slope * length * length)
+            peaks[i] = math.log(_density(0.0, wide, evidence.range_max, 1.0))
+    return peaks
 
 
-@compiled(inline="always")
-def _look(
-    start: tuple[float, float],
-    way: tuple[float, float],
-    reach: float,
-    hidden: tuple[float, float],
-    evidence: RayEvidence,
-    row: Array,
-) -> None:
-    """Write what a ray meets into ``row`` (6,).
+@compiled()
+def _log_likelihood(
+    pose: Array, rays: Array, evidence: RayEvidence, peaks: Array, least: float
+) -> float:
+    """Return the mean log-likelihood of rays (n, 9); -inf once it cannot reach ``least`` any more.
 
-    Args:
-        start: x and y of where it starts [m].
-        way: x and y of its direction.
-        reach: how far it is followed [m].
-        hidden: from where to where something was seen on it [m].
-        evidence: the field.
-        row: ``_DUE`` to ``_THING``.
+    ``peaks`` (n,) are the largest that each ray can have.
     """
-    x, y = start
-    dx, dy = way
-    hidden_from, hidden_to = hidden
-    index, sight = evidence.edge_index, evidence.sight
-    due, edge = cast_toward(x, y, dx, dy, index, reach)
-    row[_DUE], row[_BEHIND], row[_SEEN], row[_THING] = math.inf, math.inf, 0.0, 0.0
-    covered = hidden_from < hidden_to and not _is_drawn(start, way, hidden, index, sight.inward)
-    if covered:
-        row[_THING] = 1.0
-    if edge < 0:
-        return
-    row[_DUE], row[_MET_X], row[_MET_Y] = due, x + due * dx, y + due * dy
-    at_end, across = _met(row[_MET_X], row[_MET_Y], dx, dy, edge, index.edges, sight)
-    covered = covered and hidden_from - NEAR < due < hidden_to + NEAR
-    if NEAR < due < reach - FAR / across and not covered:
-        row[_SEEN] = 1.0 if at_end else 2.0
-    if at_end or covered:
-        past = (max(due, hidden_to) if covered else due) + 0.005
-        if past >= reach:
-            return
-        behind, edge = cast_toward(x + past * dx, y + past * dy, dx, dy, index, reach - past)
+    index, sight, range_max = evidence.edge_index, evidence.sight, evidence.range_max
+    # Numba counts the users of an array that is taken out of a tuple: not for each ray.
+    edges, ends, starts, seen = index.edges, sight.ends, sight.starts, sight.seen
+    inward = sight.inward
+    met = np.zeros((len(rays), 5))
+    c, s = math.cos(pose[2]), math.sin(pose[2])
+    counted, reachable = 0, 0.0
+    for i in range(len(rays)):
+        if not math.isnan(rays[i, column.NEAR]):
+            counted += 1
+            reachable += peaks[i]
+    enough = least * counted - ROUNDED
+    for i in range(len(rays)):
+        near, length = rays[i, column.NEAR], rays[i, column.RANGE]
+        if math.isnan(near):
+            continue
+        heading = pose[2] + rays[i, column.DIRECTION]
+        dx, dy = math.cos(heading), math.sin(heading)
+        reach = min(rays[i, column.FAR], range_max) - near
+        x = pose[0] + c * rays[i, column.X] - s * rays[i, column.Y] + near * dx
+        y = pose[1] + s * rays[i, column.X] + c * rays[i, column.Y] + near * dy
+        thing = rays[i, column.HIDDEN_FROM] - near, rays[i, column.HIDDEN_TO] - near
+        hidden = thing[0] < thing[1] and not _is_drawn((x, y), (dx, dy), thing, index, inward)
+        if hidden:
+            met[i, _THING] = 1.0
+            reachable += math.log(THING)
+        due, edge = cast_toward(x, y, dx, dy, index, reach)
+        behind = math.inf
         if edge >= 0:
-            row[_BEHIND] = past + behind
+            met[i, _MET_X], met[i, _MET_Y] = x + due * dx, y + due * dy
+            at_end, across = _met(
+                met[i, _MET_X], met[i, _MET_Y], dx, dy, edge, edges, ends, starts, seen
+            )
+            covered = hidden and thing[0] - NEAR < due < thing[1] + NEAR
+            if NEAR < due < reach - FAR / across and not covered:
+                met[i, _SEEN] = 1.0 if at_end else 2.0
+            past = (max(due, thing[1]) if covered else due) + 0.005
+            if (at_end or covered) and past < reach:
+                behind, _ = cast_toward(x + past * dx, y + past * dy, dx, dy, index, reach - past)
+                behind += past
+        if math.isfinite(length):
+            wide, clear = evidence.sd * (1 + evidence.slope * length * length), rays[i, column.CLEAR]
+            density = UNEXPECTED_SHARE / range_max
+            if edge >= 0:
+                density = _density(length - near - due, wide, range_max, clear)
+            if math.isfinite(behind):
+                density = max(density, _density(length - near - behind, wide, range_max, clear))
+            met[i, _HIT] = math.log(density)
+            reachable += met[i, _HIT] - peaks[i]
+        if reachable < enough:
+            return -np.inf
+    total = 0.0
+    for i in range(len(rays)):
+        if met[i, _THING] > 0:
+            total += math.log(THING)
+        if math.isfinite(rays[i, column.RANGE]):
+            total += met[i, _HIT]
+        elif met[i, _SEEN] > 1 and _is_supported(met, i, sight.support):
+            missed = evidence.missed
+            total += math.log(missed + SEEN * (1 - rays[i, column.CLEAR]) * (1 - missed))
+    return total / max(counted, 1)
 
 
 @compiled()
@@ -229,17 +246,17 @@ def _is_drawn(
 
 
 @compiled()
-def _is_supported(dues: Array, ray: int, support: float) -> bool:
+def _is_supported(met: Array, ray: int, support: float) -> bool:
     """Whether a ray and its neighbours meet enough of an edge for the scanner to find tape.
 
     Only neighbours that see the whole width of the tape count.
     """
     first, last = ray, ray
-    while first > 0 and _is_next(dues[first - 1], dues[first], support):
+    while first > 0 and _is_next(met[first - 1], met[first], support):
         first -= 1
-    while last + 1 < len(dues) and _is_next(dues[last + 1], dues[last], support):
+    while last + 1 < len(met) and _is_next(met[last + 1], met[last], support):
         last += 1
-    dx, dy = dues[last, _MET_X] - dues[first, _MET_X], dues[last, _MET_Y] - dues[first, _MET_Y]
+    dx, dy = met[last, _MET_X] - met[first, _MET_X], met[last, _MET_Y] - met[first, _MET_Y]
     return math.hypot(dx, dy) >= support
 
 
@@ -259,7 +276,15 @@ def _density(offset: float, sd: float, range_max: float, clear: float) -> float:
 
 @compiled(inline="always")
 def _met(
-    x: float, y: float, dx: float, dy: float, edge: int, edges: Array, sight: Visibility
+    x: float,
+    y: float,
+    dx: float,
+    dy: float,
+    edge: int,
+    edges: Array,
+    ends: NDArray[np.bool_],
+    starts: NDArray[np.int64],
+    seen: NDArray[np.bool_],
 ) -> tuple[bool, float]:
     """Whether an edge may be missed at a point: near the tape's end, or where the scanner is blind.
 
@@ -272,7 +297,7 @@ def _met(
     # A grazing ray runs along the tape, toward the edge's end or toward its start.
     ahead = ACROSS * abs(cosine) / max(sine, 1e-9)
     to_start, to_end = (END, max(END, ahead)) if cosine > 0 else (max(END, ahead), END)
-    ends, first, last = sight.ends, sight.starts[edge], sight.starts[edge + 1]
+    first, last = starts[edge], starts[edge + 1]
     part = first + min(max(int(along / length * (last - first)), 0), last - first - 1)
     at_end = (ends[edge, 0] and along < to_start) or (ends[edge, 1] and length - along < to_end)
-    return at_end or not sight.seen[part], sine
+    return at_end or not seen[part], sine
