@@ -115,8 +115,8 @@ class RayEvidence(NamedTuple):
 def ray_log_likelihoods(poses: Array, rays: Array, evidence: RayEvidence, within: float) -> Array:
     """Return the mean log-likelihood (m,) of rays (n, 9) at each of the poses (m, 3).
 
-    It may be -inf at a pose where it is more than ``within`` below that at an earlier pose. Of such
-    a pose, a third of the rays tell enough.
+    Rays that see nowhere do not count. It is 0 if no ray is left. It may be -inf at a pose where it
+    is more than ``within`` below that at an earlier pose: a third of the rays tell that.
     """
     logs, best = np.empty(len(poses)), -np.inf
     peaks = _log_peaks(rays, evidence)
@@ -124,15 +124,6 @@ def ray_log_likelihoods(poses: Array, rays: Array, evidence: RayEvidence, within
         logs[i] = _log_likelihood(poses[i], rays, evidence, peaks, best - within)
         best = max(best, logs[i])
     return logs
-
-
-@compiled()
-def ray_log_likelihood(pose: Array, rays: Array, evidence: RayEvidence) -> float:
-    """Return the mean log-likelihood of rays (n, 9) at a pose (3,).
-
-    Rays that see nowhere do not count. It is 0 if no ray is left.
-    """
-    return _log_likelihood(pose, rays, evidence, np.zeros(len(rays)), -np.inf)
 
 
 @compiled()
@@ -155,12 +146,12 @@ def _log_likelihood(
 
     ``peaks`` (n,) are the largest that each ray can have.
     """
-    index, sight, range_max = evidence.edge_index, evidence.sight, evidence.range_max
-    # Numba counts the users of an array that is taken out of a tuple: not for each ray.
+    index, sight = evidence.edge_index, evidence.sight
+    # Taken out here: numba counts the users of each array that is taken out of a tuple.
     edges, ends, starts, seen = index.edges, sight.ends, sight.starts, sight.seen
     inward = sight.inward
     met = np.zeros((len(rays), 5))
-    c, s = math.cos(pose[2]), math.sin(pose[2])
+    turned = math.cos(pose[2]), math.sin(pose[2])
     counted, reachable = 0, 0.0
     for i in range(len(rays)):
         if not math.isnan(rays[i, column.NEAR]):
@@ -168,54 +159,96 @@ def _log_likelihood(
             reachable += peaks[i]
     enough = least * counted - ROUNDED
     for i in range(len(rays)):
-        near, length = rays[i, column.NEAR], rays[i, column.RANGE]
-        if math.isnan(near):
+        if math.isnan(rays[i, column.NEAR]):
             continue
-        heading = pose[2] + rays[i, column.DIRECTION]
-        dx, dy = math.cos(heading), math.sin(heading)
-        reach = min(rays[i, column.FAR], range_max) - near
-        x = pose[0] + c * rays[i, column.X] - s * rays[i, column.Y] + near * dx
-        y = pose[1] + s * rays[i, column.X] + c * rays[i, column.Y] + near * dy
-        thing = rays[i, column.HIDDEN_FROM] - near, rays[i, column.HIDDEN_TO] - near
-        hidden = thing[0] < thing[1] and not _is_drawn((x, y), (dx, dy), thing, index, inward)
-        if hidden:
-            met[i, _THING] = 1.0
+        due, behind = _look(
+            pose, turned, rays, i, evidence.range_max, index, inward, edges, ends, starts, seen, met
+        )
+        if met[i, _THING] > 0:
             reachable += math.log(THING)
-        due, edge = cast_toward(x, y, dx, dy, index, reach)
-        behind = math.inf
-        if edge >= 0:
-            met[i, _MET_X], met[i, _MET_Y] = x + due * dx, y + due * dy
-            at_end, across = _met(
-                met[i, _MET_X], met[i, _MET_Y], dx, dy, edge, edges, ends, starts, seen
-            )
-            covered = hidden and thing[0] - NEAR < due < thing[1] + NEAR
-            if NEAR < due < reach - FAR / across and not covered:
-                met[i, _SEEN] = 1.0 if at_end else 2.0
-            past = (max(due, thing[1]) if covered else due) + 0.005
-            if (at_end or covered) and past < reach:
-                behind, _ = cast_toward(x + past * dx, y + past * dy, dx, dy, index, reach - past)
-                behind += past
-        if math.isfinite(length):
-            wide, clear = evidence.sd * (1 + evidence.slope * length * length), rays[i, column.CLEAR]
-            density = UNEXPECTED_SHARE / range_max
-            if edge >= 0:
-                density = _density(length - near - due, wide, range_max, clear)
-            if math.isfinite(behind):
-                density = max(density, _density(length - near - behind, wide, range_max, clear))
-            met[i, _HIT] = math.log(density)
+        if math.isfinite(rays[i, column.RANGE]):
+            met[i, _HIT] = _log_hit(rays, i, due, behind, evidence)
             reachable += met[i, _HIT] - peaks[i]
         if reachable < enough:
             return -np.inf
+    return _sum(met, rays, evidence.missed, sight.support) / max(counted, 1)
+
+
+@compiled()
+def _sum(met: Array, rays: Array, missed: float, support: float) -> float:
+    """Return the log-likelihood of all rays, by what they meet."""
     total = 0.0
     for i in range(len(rays)):
         if met[i, _THING] > 0:
             total += math.log(THING)
         if math.isfinite(rays[i, column.RANGE]):
             total += met[i, _HIT]
-        elif met[i, _SEEN] > 1 and _is_supported(met, i, sight.support):
-            missed = evidence.missed
+        elif met[i, _SEEN] > 1 and _is_supported(met, i, support):
             total += math.log(missed + SEEN * (1 - rays[i, column.CLEAR]) * (1 - missed))
-    return total / max(counted, 1)
+    return total
+
+
+@compiled(inline="always")
+def _look(
+    pose: Array,
+    turned: tuple[float, float],
+    rays: Array,
+    i: int,
+    range_max: float,
+    index: EdgeIndex,
+    inward: EdgeIndex,
+    edges: Array,
+    ends: NDArray[np.bool_],
+    starts: NDArray[np.int64],
+    seen: NDArray[np.bool_],
+    met: Array,
+) -> tuple[float, float]:
+    """Write what a ray meets into its row of ``met`` (n, 5), except for its hit.
+
+    Returns:
+        The distance from ``NEAR`` of the expected edge [m], infinite without one; and that of the
+        edge behind it, if the expected edge may be missed, else infinite.
+    """
+    c, s = turned
+    heading, near = pose[2] + rays[i, column.DIRECTION], rays[i, column.NEAR]
+    dx, dy = math.cos(heading), math.sin(heading)
+    reach = min(rays[i, column.FAR], range_max) - near
+    x = pose[0] + c * rays[i, column.X] - s * rays[i, column.Y] + near * dx
+    y = pose[1] + s * rays[i, column.X] + c * rays[i, column.Y] + near * dy
+    hidden_from, hidden_to = rays[i, column.HIDDEN_FROM] - near, rays[i, column.HIDDEN_TO] - near
+    thing = hidden_from, hidden_to
+    covered = hidden_from < hidden_to and not _is_drawn((x, y), (dx, dy), thing, index, inward)
+    if covered:
+        met[i, _THING] = 1.0
+    due, edge = cast_toward(x, y, dx, dy, index, reach)
+    if edge < 0:
+        return due, math.inf
+    met_x, met_y = x + due * dx, y + due * dy
+    met[i, _MET_X], met[i, _MET_Y] = met_x, met_y
+    at_end, across = _met(met_x, met_y, dx, dy, edge, edges, ends, starts, seen)
+    covered = covered and hidden_from - NEAR < due < hidden_to + NEAR
+    if NEAR < due < reach - FAR / across and not covered:
+        met[i, _SEEN] = 1.0 if at_end else 2.0
+    past = (max(due, hidden_to) if covered else due) + 0.005
+    if not (at_end or covered) or past >= reach:
+        return due, math.inf
+    return due, past + cast_toward(x + past * dx, y + past * dy, dx, dy, index, reach - past)[0]
+
+
+@compiled(inline="always")
+def _log_hit(rays: Array, i: int, due: float, behind: float, evidence: RayEvidence) -> float:
+    """Return the log-likelihood of what a ray returned [1/m], by the edges that it meets."""
+    length, clear, range_max = rays[i, column.RANGE], rays[i, column.CLEAR], evidence.range_max
+    wide, offset = (
+        evidence.sd * (1 + evidence.slope * length * length),
+        length - rays[i, column.NEAR],
+    )
+    density = UNEXPECTED_SHARE / range_max
+    if math.isfinite(due):
+        density = _density(offset - due, wide, range_max, clear)
+    if math.isfinite(behind):
+        density = max(density, _density(offset - behind, wide, range_max, clear))
+    return math.log(density)
 
 
 @compiled()

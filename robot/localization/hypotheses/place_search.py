@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,12 +36,6 @@ SEARCHED_PER_PIECE = 100_000
 POSES_PER_PIECE, FITS_PER_PIECE, REPLAYS_PER_PIECE = 20_000, 45, 12
 """Poses scored, poses laid on edges (two thirds of these in one piece), and places replayed in one
 piece of work: 1 to 3 ms."""
-
-
-@dataclass(frozen=True, slots=True)
-class _Fit:
-    pose: Pose2
-    log_likelihood: float
 
 
 class PlaceSearch:
@@ -143,7 +136,7 @@ class PlaceSearch:
             cheapest.look(costs, turns)
             yield False
         blur, starts = self._parameters.search_blur, grid.poses(cheapest.cells)
-        fits: list[_Fit] = []
+        fits: list[tuple[float, Pose2]] = []
         for some in np.array_split(starts, 1 + math.ceil(len(starts) / FITS_PER_PIECE)):
             fits += self._fits(grid.refined_poses(some, self._ends, self._entries, blur))
             yield False
@@ -162,25 +155,25 @@ class PlaceSearch:
     def _match(self, start: Pose2) -> Match:
         return self._setup.matcher.match(start, self._rays)
 
-    def _fits(self, starts: Array) -> list[_Fit]:
-        """Lay the rays on the edges, starting from each of the poses (n, 3)."""
+    def _fits(self, starts: Array) -> list[tuple[float, Pose2]]:
+        """Lay the rays on the edges from each of the poses (n, 3); return how well, and where."""
         poses = [self._match(Pose2(*start)).pose for start in starts.tolist()]
         laid = np.array([pose.to_array() for pose in poses]).reshape(-1, 3)
         logs = self._setup.evidence.log_likelihoods(laid, self._rays, within=WORSE).tolist()
-        return [_Fit(pose, log) for pose, log in zip(poses, logs, strict=True)]
+        return list(zip(logs, poses, strict=True))
 
     def _replayed(self, pose: Pose2) -> Rescored:
         return rescore(pose, self._past, self._setup.matcher, self._setup.evidence)
 
-    def _distinct(self, fits: list[_Fit]) -> list[Pose2]:
+    def _distinct(self, fits: list[tuple[float, Pose2]]) -> list[Pose2]:
         """Return the best pose of each place; not too many, and no bad ones."""
         kept: list[Pose2] = []
-        fits = sorted(fits, key=lambda fit: -fit.log_likelihood)
-        for item in fits:
-            if item.log_likelihood <= fits[0].log_likelihood - WORSE:
+        fits = sorted(fits, key=lambda fit: -fit[0])
+        for log_likelihood, pose in fits:
+            if log_likelihood <= fits[0][0] - WORSE:
                 break
-            if not any(self._parameters.alike(item.pose, other) for other in kept):
-                kept.append(item.pose)
+            if not any(self._parameters.alike(pose, other) for other in kept):
+                kept.append(pose)
         return kept[: self._parameters.max_hypotheses]
 
 

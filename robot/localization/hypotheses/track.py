@@ -15,11 +15,7 @@ from robot.geometry import Array, Pose2
 from robot.localization.estimate import Hypothesis
 from robot.localization.filter import Filter, Setup
 from robot.localization.parameters import HypothesisParameters
-from robot.localization.ray_evidence import (
-    RayEvidence,
-    ray_log_likelihood,
-    ray_log_likelihoods,
-)
+from robot.localization.ray_evidence import RayEvidence, ray_log_likelihoods
 from robot.localization.scan_matching import ScanMatcher, fit_rays
 
 MATCH_COVARIANCE = np.diag(np.square([0.01, 0.01, 0.03]))
@@ -202,7 +198,9 @@ def _laid(
     # (C^-1 + S)^-1 of covariance C and the scan's information S, even if one is singular.
     left = solved(np.eye(3) + covariance @ (information - known), covariance)
     target = ray_log_likelihoods(_around(fitting, left), rays, evidence, 0.0).max()
-    current = ray_log_likelihood(pose, rays, evidence) if far > FAR else np.nan
+    current = np.nan
+    if far > FAR:
+        current = ray_log_likelihoods(pose.reshape(1, 3), rays, evidence, 0.0)[0]
     return fitting, float(far), current, target
 
 
