@@ -100,8 +100,7 @@ def _rays_of(scan: Scan) -> Array:
     rays[:, column.X], rays[:, column.Y] = scan.robot_from_scan.x, scan.robot_from_scan.y
     rays[:, column.DIRECTION] = scan.robot_from_scan.theta + scan.bearings
     rays[:, column.RANGE] = scan.ranges
-    sight, hidden = rays[:, column.NEAR :], rays[:, column.HIDDEN_FROM :]
-    sight[:, :2] = (0.0, np.inf) if scan.sight is None else scan.sight
+    rays[:, column.NEAR : column.CLEAR] = (0.0, np.inf) if scan.sight is None else scan.sight
     rays[:, column.CLEAR] = 1.0 if scan.clear is None else scan.clear
-    hidden[:, :2] = (np.inf, -np.inf) if scan.hidden is None else scan.hidden
+    rays[:, column.HIDDEN_FROM :] = (np.inf, -np.inf) if scan.hidden is None else scan.hidden
     return rays

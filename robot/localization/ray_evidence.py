@@ -13,7 +13,6 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robot import ray_columns as column
 from robot.compiling import compiled
@@ -118,137 +117,93 @@ def ray_log_likelihoods(poses: Array, rays: Array, evidence: RayEvidence, within
     Rays that see nowhere do not count. It is 0 if no ray is left. It may be -inf at a pose where it
     is more than ``within`` below that at an earlier pose: a third of the rays tell that.
     """
+    peaks, counted = np.zeros(len(rays)), 0
+    for i in range(len(rays)):
+        if not math.isnan(rays[i, column.NEAR]):
+            counted += 1
+            due = rays[i, column.RANGE] - rays[i, column.NEAR]
+            peaks[i] = _log_hit(rays, i, due, due, 1.0, evidence) if math.isfinite(due) else 0.0
     logs, best = np.empty(len(poses)), -np.inf
-    peaks = _log_peaks(rays, evidence)
     for i in range(len(poses)):
-        logs[i] = _log_likelihood(poses[i], rays, evidence, peaks, best - within)
+        least = (best - within) * counted - ROUNDED
+        logs[i] = _log_likelihood(poses[i], rays, evidence, peaks, least) / max(counted, 1)
         best = max(best, logs[i])
     return logs
-
-
-@compiled()
-def _log_peaks(rays: Array, evidence: RayEvidence) -> Array:
-    """Return the largest log-likelihood (n,) that each of the rays (n, 9) can have anywhere."""
-    peaks = np.zeros(len(rays))
-    for i in range(len(rays)):
-        length = rays[i, column.RANGE]
-        if math.isfinite(length):
-            wide = evidence.sd * (1 + evidence.slope * length * length)
-            peaks[i] = math.log(_density(0.0, wide, evidence.range_max, 1.0))
-    return peaks
 
 
 @compiled()
 def _log_likelihood(
     pose: Array, rays: Array, evidence: RayEvidence, peaks: Array, least: float
 ) -> float:
-    """Return the mean log-likelihood of rays (n, 9); -inf once it cannot reach ``least`` any more.
+    """Return the log-likelihood of rays (n, 9); -inf once it cannot reach ``least`` any more.
 
     ``peaks`` (n,) are the largest that each ray can have.
     """
-    index, sight = evidence.edge_index, evidence.sight
-    # Taken out here: numba counts the users of each array that is taken out of a tuple.
-    edges, ends, starts, seen = index.edges, sight.ends, sight.starts, sight.seen
-    inward = sight.inward
-    met = np.zeros((len(rays), 5))
-    turned = math.cos(pose[2]), math.sin(pose[2])
-    counted, reachable = 0, 0.0
+    index, sight, range_max = evidence.edge_index, evidence.sight, evidence.range_max
+    met, reachable = np.zeros((len(rays), 5)), peaks.sum()
+    c, s = math.cos(pose[2]), math.sin(pose[2])
     for i in range(len(rays)):
-        if not math.isnan(rays[i, column.NEAR]):
-            counted += 1
-            reachable += peaks[i]
-    enough = least * counted - ROUNDED
-    for i in range(len(rays)):
-        if math.isnan(rays[i, column.NEAR]):
+        near = rays[i, column.NEAR]
+        if math.isnan(near):
             continue
-        due, behind = _look(
-            pose, turned, rays, i, evidence.range_max, index, inward, edges, ends, starts, seen, met
-        )
-        if met[i, _THING] > 0:
-            reachable += math.log(THING)
+        heading = pose[2] + rays[i, column.DIRECTION]
+        dx, dy = math.cos(heading), math.sin(heading)
+        x = pose[0] + c * rays[i, column.X] - s * rays[i, column.Y] + near * dx
+        y = pose[1] + s * rays[i, column.X] + c * rays[i, column.Y] + near * dy
+        reach = min(rays[i, column.FAR], range_max) - near
+        thing = rays[i, column.HIDDEN_FROM] - near, rays[i, column.HIDDEN_TO] - near
+        due, behind = _look((x, y), (dx, dy), reach, thing, index, sight, met, i)
         if math.isfinite(rays[i, column.RANGE]):
-            met[i, _HIT] = _log_hit(rays, i, due, behind, evidence)
+            met[i, _HIT] = _log_hit(rays, i, due, behind, rays[i, column.CLEAR], evidence)
             reachable += met[i, _HIT] - peaks[i]
-        if reachable < enough:
+        if reachable < least:
             return -np.inf
-    return _sum(met, rays, evidence.missed, sight.support) / max(counted, 1)
-
-
-@compiled()
-def _sum(met: Array, rays: Array, missed: float, support: float) -> float:
-    """Return the log-likelihood of all rays, by what they meet."""
     total = 0.0
     for i in range(len(rays)):
         if met[i, _THING] > 0:
             total += math.log(THING)
         if math.isfinite(rays[i, column.RANGE]):
             total += met[i, _HIT]
-        elif met[i, _SEEN] > 1 and _is_supported(met, i, support):
+        elif met[i, _SEEN] > 1 and _is_supported(met, i, sight.support):
+            missed = evidence.missed
             total += math.log(missed + SEEN * (1 - rays[i, column.CLEAR]) * (1 - missed))
     return total
 
 
 @compiled(inline="always")
 def _look(
-    pose: Array,
-    turned: tuple[float, float],
-    rays: Array,
-    i: int,
-    range_max: float,
+    start: tuple[float, float],
+    way: tuple[float, float],
+    reach: float,
+    thing: tuple[float, float],
     index: EdgeIndex,
-    inward: EdgeIndex,
-    edges: Array,
-    ends: NDArray[np.bool_],
-    starts: NDArray[np.int64],
-    seen: NDArray[np.bool_],
+    sight: Visibility,
     met: Array,
+    i: int,
 ) -> tuple[float, float]:
-    """Write what a ray meets into its row of ``met`` (n, 5), except for its hit.
+    """Write what a ray meets into row ``i`` of ``met`` (n, 5), without its hit.
 
-    Returns:
-        The distance from ``NEAR`` of the expected edge [m], infinite without one; and that of the
-        edge behind it, if the expected edge may be missed, else infinite.
+    It is followed as far as ``reach`` [m]; from where to where on it a ``thing`` was seen is in
+    metres as well. Returns the distance of the expected edge [m], infinite without one; and that of
+    the edge behind it, if the expected edge may be missed, else infinite.
     """
-    c, s = turned
-    heading, near = pose[2] + rays[i, column.DIRECTION], rays[i, column.NEAR]
-    dx, dy = math.cos(heading), math.sin(heading)
-    reach = min(rays[i, column.FAR], range_max) - near
-    x = pose[0] + c * rays[i, column.X] - s * rays[i, column.Y] + near * dx
-    y = pose[1] + s * rays[i, column.X] + c * rays[i, column.Y] + near * dy
-    hidden_from, hidden_to = rays[i, column.HIDDEN_FROM] - near, rays[i, column.HIDDEN_TO] - near
-    thing = hidden_from, hidden_to
-    covered = hidden_from < hidden_to and not _is_drawn((x, y), (dx, dy), thing, index, inward)
+    x, y = start
+    dx, dy = way
+    covered = thing[0] < thing[1] and not _is_drawn(start, way, thing, index, sight.inward)
     if covered:
         met[i, _THING] = 1.0
     due, edge = cast_toward(x, y, dx, dy, index, reach)
     if edge < 0:
         return due, math.inf
-    met_x, met_y = x + due * dx, y + due * dy
-    met[i, _MET_X], met[i, _MET_Y] = met_x, met_y
-    at_end, across = _met(met_x, met_y, dx, dy, edge, edges, ends, starts, seen)
-    covered = covered and hidden_from - NEAR < due < hidden_to + NEAR
+    met[i, _MET_X], met[i, _MET_Y] = x + due * dx, y + due * dy
+    at_end, across = _met(met[i, _MET_X], met[i, _MET_Y], dx, dy, edge, index, sight)
+    covered = covered and thing[0] - NEAR < due < thing[1] + NEAR
     if NEAR < due < reach - FAR / across and not covered:
         met[i, _SEEN] = 1.0 if at_end else 2.0
-    past = (max(due, hidden_to) if covered else due) + 0.005
-    if not (at_end or covered) or past >= reach:
+    past = (max(due, thing[1]) if covered else due) + 0.005
+    if past >= reach or not (at_end or covered):
         return due, math.inf
     return due, past + cast_toward(x + past * dx, y + past * dy, dx, dy, index, reach - past)[0]
-
-
-@compiled(inline="always")
-def _log_hit(rays: Array, i: int, due: float, behind: float, evidence: RayEvidence) -> float:
-    """Return the log-likelihood of what a ray returned [1/m], by the edges that it meets."""
-    length, clear, range_max = rays[i, column.RANGE], rays[i, column.CLEAR], evidence.range_max
-    wide, offset = (
-        evidence.sd * (1 + evidence.slope * length * length),
-        length - rays[i, column.NEAR],
-    )
-    density = UNEXPECTED_SHARE / range_max
-    if math.isfinite(due):
-        density = _density(offset - due, wide, range_max, clear)
-    if math.isfinite(behind):
-        density = max(density, _density(offset - behind, wide, range_max, clear))
-    return math.log(density)
 
 
 @compiled()
@@ -301,28 +256,29 @@ def _is_next(row: Array, beside: Array, support: float) -> bool:
 
 
 @compiled(inline="always")
-def _density(offset: float, sd: float, range_max: float, clear: float) -> float:
-    """Return the likelihood density [1/m] of a range that is ``offset`` off the expected edge."""
+def _log_hit(
+    rays: Array, i: int, due: float, behind: float, clear: float, evidence: RayEvidence
+) -> float:
+    """Return the log-likelihood of a ray's range where edges are at these distances, or +inf."""
+    if math.isinf(due):
+        return math.log(UNEXPECTED_SHARE / evidence.range_max)
+    length = rays[i, column.RANGE]
+    sd = evidence.sd * (1 + evidence.slope * length * length)
     peak = SEEN * clear / (sd * math.sqrt(2 * math.pi))
-    return peak * math.exp(-0.5 * (offset / sd) ** 2) + STRAY / range_max
+    past = length - rays[i, column.NEAR]
+    offset = min(abs(past - due), abs(past - behind))
+    return math.log(peak * math.exp(-0.5 * (offset / sd) ** 2) + STRAY / evidence.range_max)
 
 
-@compiled(inline="always")
+@compiled(forceinline=True)
 def _met(
-    x: float,
-    y: float,
-    dx: float,
-    dy: float,
-    edge: int,
-    edges: Array,
-    ends: NDArray[np.bool_],
-    starts: NDArray[np.int64],
-    seen: NDArray[np.bool_],
+    x: float, y: float, dx: float, dy: float, edge: int, index: EdgeIndex, sight: Visibility
 ) -> tuple[bool, float]:
     """Whether an edge may be missed at a point: near the tape's end, or where the scanner is blind.
 
     Also returns the sine of the angle between the edge and the ray.
     """
+    edges, ends, starts = index.edges, sight.ends, sight.starts
     ex, ey = edges[edge, 2] - edges[edge, 0], edges[edge, 3] - edges[edge, 1]
     length = math.hypot(ex, ey)
     along = ((x - edges[edge, 0]) * ex + (y - edges[edge, 1]) * ey) / length
@@ -333,4 +289,4 @@ def _met(
     first, last = starts[edge], starts[edge + 1]
     part = first + min(max(int(along / length * (last - first)), 0), last - first - 1)
     at_end = (ends[edge, 0] and along < to_start) or (ends[edge, 1] and length - along < to_end)
-    return at_end or not seen[part], sine
+    return at_end or not sight.seen[part], sine
