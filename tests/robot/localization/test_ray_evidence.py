@@ -125,7 +125,7 @@ def test_only_a_pose_that_cannot_win_is_not_weighed_to_the_end(name: str, within
     true = of.start
     rays = seen_from(true, of)
     poses = true.to_array() + rng.normal(0, [0.02, 0.02, 0.1], (200, 3))
-    alone = np.array([evidence.log_likelihood(Pose2.from_array(pose), rays) for pose in poses])
+    alone = np.array([evidence.log_likelihoods(pose[None], rays)[0] for pose in poses])
     logs = evidence.log_likelihoods(poses, rays, within=within)
     ended = np.isinf(logs)
     assert logs.max() == alone.max()
