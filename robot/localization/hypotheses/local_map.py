@@ -32,8 +32,8 @@ class _Kept:
     def at(cls, pose: Pose2, scan: Scan) -> _Kept:
         rays = rays_of(scan, len(scan.ranges))
         seeing = ~np.isnan(rays[:, column.NEAR])
-        hits = np.count_nonzero(seeing & np.isfinite(rays[:, column.RANGE]))
-        return cls(pose, scan, hits, np.count_nonzero(seeing))
+        hits = int(np.count_nonzero(seeing & np.isfinite(rays[:, column.RANGE])))
+        return cls(pose, scan, hits, int(np.count_nonzero(seeing)))
 
 
 class LocalMap:

@@ -137,8 +137,8 @@ class PlaceSearch:
             yield False
         blur, starts = self._parameters.search_blur, grid.poses(cheapest.cells)
         fits: list[tuple[float, Pose2]] = []
-        for some in np.array_split(starts, 1 + math.ceil(len(starts) / FITS_PER_PIECE)):
-            fits += self._fits(grid.refined_poses(some, self._ends, self._entries, blur))
+        for part in np.array_split(starts, 1 + math.ceil(len(starts) / FITS_PER_PIECE)):
+            fits += self._fits(grid.refined_poses(part, self._ends, self._entries, blur))
             yield False
         places = self._distinct(fits)
         for some in _pieces(len(places), REPLAYS_PER_PIECE):
