@@ -6,6 +6,7 @@ steps on the distances between the rays' ends and the edges remove that error.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -65,10 +66,8 @@ class Refinement:
 
     def refine(self, hypothesis: Hypothesis, scan: Scan) -> Hypothesis:
         """Return the hypothesis at the pose that fits both the scan and its prior best."""
-        if (
-            np.sqrt(np.diag(hypothesis.covariance)[:2].max())
-            > WIDEST * self.matcher.gate / GATE_SDS
-        ):
+        widest = math.sqrt(max(hypothesis.covariance[0, 0], hypothesis.covariance[1, 1]))
+        if widest > WIDEST * self.matcher.gate / GATE_SDS:
             return hypothesis
         known = inverse(hypothesis.covariance + MEAN_ERROR)
         match = self.matcher.match(hypothesis.pose, rays_of(scan, self.max_beams), known)

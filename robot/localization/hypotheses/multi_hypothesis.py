@@ -244,7 +244,7 @@ class MultiHypothesisFilter:
         p = self.setup.hypotheses
         for image in list(missing_images(self._tracks, self.setup.field.symmetries, p)):
             if len(self._tracks) < p.max_hypotheses:
-                self._follow(image.pose, image.covariance, image.log_weight)
+                self._follow(*image)
 
     def _level(self, heaviest: float) -> None:
         """Scale the heaviest weight to one; react if the robot is lost or another place leads."""

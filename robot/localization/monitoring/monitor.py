@@ -195,7 +195,7 @@ class Monitor:
             self._camera.error,
             returned,
             spread,
-            math.sqrt(float(np.trace(hypothesis.covariance[:2, :2]))),
+            math.sqrt(hypothesis.covariance[0, 0] + hypothesis.covariance[1, 1]),
             self._fit.change,
         )
         self._causes.judge(findings)

@@ -18,7 +18,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from robot.geometry import Array, Pose2, Twist2
+from robot.geometry import Array, Pose2, Twist2, turned_covariance
 from robot.localization.monitoring.steady_errors import SteadyErrors
 from robot.localization.monitoring.step_sums import StepSums, add_step, estimate_errors
 
@@ -106,9 +106,7 @@ class OdometryCheck:
 
     def observe(self, stamp: float, pose: Pose2, odometry: Pose2, covariance: Array) -> None:
         """Add a pose in the map with its covariance (3, 3), and odometry's pose, at a stamp."""
-        c, s = math.cos(pose.theta), math.sin(pose.theta)
-        robot_from_map = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
-        local = robot_from_map @ covariance @ robot_from_map.T
+        local = turned_covariance(covariance, -pose.theta)
         elapsed = 0.0
         if self._last is not None:
             last, before_odometry = self._last
