@@ -30,6 +30,7 @@ from robot.description.unknowns import (
     TAPE,
 )
 from robot.geometry import Array, Pose2
+from robot.mapping.bends import at_corners
 from robot.mapping.crossings import BareFloor, is_tape
 from robot.mapping.cutting import without_gaps
 from robot.mapping.ends import RaysOnFloor
@@ -307,6 +308,10 @@ def _check(log: DriveLog) -> None:
 
 
 def _traced(cells: MiddleCells, spacing: float) -> tuple[Stroke, ...]:
-    lines = trace(cells)
-    fitted = [fit_stroke(line, bool(np.array_equal(line[0], line[-1])), spacing) for line in lines]
-    return tuple(stroke for stroke in fitted if stroke is not None)
+    strokes = []
+    for line in trace(cells):
+        closed = bool(np.array_equal(line[0], line[-1]))
+        pieces = at_corners(line, closed)
+        ring = closed and pieces[0] is line
+        strokes += [fit_stroke(piece, ring, spacing) for piece in pieces]
+    return tuple(stroke for stroke in strokes if stroke is not None)
