@@ -135,11 +135,8 @@ def _check_fit(path: DrivePath) -> None:
             f"{100 * path.solution.share:.0f} % of the edges that were seen lie on the field's: "
             "the robot was moved by hand, or this is another field"
         )
-    if not math.isnan(path.lost_at):
-        raise CalibrationError(
-            f"the path is lost after {path.lost_at:.0f} s: the robot was moved by hand, or saw no "
-            "tape for long; valid is a shorter drive"
-        )
+    if path.lost:
+        raise CalibrationError(f"{path.lost}; valid is a shorter drive")
 
 
 def _with_unlearnt_left(path: DrivePath, others: Sequence[Pose2]) -> Calibration:

@@ -51,6 +51,8 @@ TOGETHER, ENOUGH, LEAST_LYING = 10, 100, 0.5
 them lies on the field's, ..."""
 MOST_SLIP = 0.3
 """... or where a wheel would have slipped more than this: seven standard deviations."""
+UNSEEN = 20
+"""No tape was in sight if so many pictures saw fewer edges than that together."""
 
 
 class FieldDrive:
@@ -132,18 +134,31 @@ class DrivePath:
         return _fits(self.solution)
 
     @property
-    def lost_at(self) -> float:
-        """When the path seems to be wrong first [s]; nan if it never does.
+    def lost(self) -> str:
+        """When the path seems to be wrong first, and by what, in words; empty if it never does.
 
-        That is where most edges lie off the field's, or the wheels had to slip too much.
+        That is where most edges lie off the field's, or the wheels had to slip too much. Edges that
+        lie too near to the end of a field's edge say nothing; on a curve, which is many short
+        edges, that is half of all.
         """
-        state = self.solution.state
-        seen = self._drive.edge_counts[: len(state.poses)]
-        lying = np.bincount(self.solution.misses.picture, minlength=len(seen))
-        sums = [np.convolve(edges, np.ones(TOGETHER), "same") for edges in (seen, lying)]
-        lost = (sums[0] >= ENOUGH) & (sums[1] < LEAST_LYING * sums[0])
-        lost |= np.abs(state.slip).max(axis=1) > MOST_SLIP
-        return float(self._drive.stamps[np.argmax(lost)]) if lost.any() else math.nan
+        state, seen = self.solution.state, self.solution.misses
+        counting = self._drive.edge_counts[: len(state.poses)] - seen.near_ends
+        lying = np.bincount(seen.picture, minlength=len(counting))
+        sums = [np.convolve(edges, np.ones(TOGETHER), "same") for edges in (counting, lying)]
+        off = (sums[0] >= ENOUGH) & (sums[1] < LEAST_LYING * sums[0])
+        slips = np.abs(state.slip).max(axis=1) > MOST_SLIP
+        if not (off | slips).any():
+            return ""
+        first = int(np.argmax(off | slips))
+        when = f"after {self._drive.stamps[first]:.0f} s"
+        if slips[first]:
+            return f"{when} the robot moved otherwise than its wheels turned: it was moved by hand"
+        if self._drive.edge_counts[max(0, first - UNSEEN) : first].sum() < UNSEEN:
+            return f"{when} its path is lost, as it saw no tape before"
+        return (
+            f"{when} most of the edges that were seen lie off the field's: the robot was moved by "
+            "hand, or there is tape that is not drawn"
+        )
 
     def grow(self, window: float) -> None:
         """Follow the drive to a time after its first picture [s], and adjust all of it.

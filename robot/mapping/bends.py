@@ -10,11 +10,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from itertools import pairwise
+from operator import is_
 from typing import NamedTuple
 
 import numpy as np
 
 from robot.geometry import Array
+from robot.mapping.stroke_fitting import FINE_SPACING, fit_stroke
+from robot.mapping.strokes import Stroke, Strokes
 
 ROUND, SIDE = 0.025, 0.09
 """Traced lines are round this far on both sides of a corner; beyond, this much of them shows where
@@ -27,8 +30,12 @@ if their deviation from it is at most the second [m], and it curves less than th
 bends more sharply is no side, but the rounding itself."""
 LEAST_CORNER = math.radians(14)
 """Where tape turns by less, a spline follows it [rad]."""
-LONGEST_ROUNDING = 0.034
+LONGEST_ROUNDING = 0.024
 """Tape that needs more than this on each side to turn is bent, not cut [m]."""
+ROUGHER = 2.5
+"""Factor of these lengths while the path is rough."""
+SAMPLES = 0.01
+"""Distance of the points of a curve that may have corners [m]."""
 STEP = 0.004
 """Distance of the places where a corner is looked for [m]."""
 
@@ -47,14 +54,15 @@ class _Side(NamedTuple):
         return place, math.atan2(*self.along[::-1]) + math.atan(self.curvature * way)
 
 
-def at_corners(line: Array, closed: bool = False) -> list[Array]:
+def at_corners(line: Array, closed: bool = False, *, rough: bool = False) -> list[Array]:
     """Return the pieces (n, 2) of a traced line between its corners, without their round ends [m].
 
     Args:
         line: (n, 2) points in order [m].
         closed: whether the last one is the first.
+        rough: whether the path is, so that what was traced from it may be wrong by millimetres.
     """
-    corners = _corners(line, closed)
+    corners = _corners(line, closed, ROUGHER if rough else 1.0)
     if not corners:
         return [line]
     walked = _walked(line)
@@ -69,8 +77,35 @@ def at_corners(line: Array, closed: bool = False) -> list[Array]:
     ]
 
 
-def _corners(line: Array, closed: bool) -> list[float]:
-    """Return where the corners of a line are, as lengths along it from its first point [m]."""
+def cut_at_corners(strokes: Strokes) -> Strokes:
+    """Return strokes whose curves are cut at corners; the same object if none has one."""
+    each: list[Stroke] = []
+    for stroke in strokes.each:
+        pieces = at_corners(_samples(stroke), stroke.closed) if stroke.curved else []
+        if len(pieces) > 1 or (pieces and stroke.closed and not _is_whole(pieces[0])):
+            fitted = (fit_stroke(piece, spacing=FINE_SPACING) for piece in pieces)
+            each += [piece for piece in fitted if piece is not None]
+        else:
+            each.append(stroke)
+    same = len(each) == len(strokes.each) and all(map(is_, each, strokes.each))
+    return strokes if same else Strokes.of(each, strokes.width)
+
+
+def _is_whole(line: Array) -> bool:
+    return bool(np.array_equal(line[0], line[-1]))
+
+
+def _samples(stroke: Stroke) -> Array:
+    count = 2 + round(stroke.knots[-1] / SAMPLES)
+    points = stroke.spline(stroke.nodes)(np.linspace(0.0, stroke.knots[-1], count))
+    return np.asarray(points, np.float64)
+
+
+def _corners(line: Array, closed: bool, tolerance: float) -> list[float]:
+    """Return where the corners of a line are, as lengths along it from its first point [m].
+
+    The tolerance is a factor of what a line may be off.
+    """
     walked = _walked(line)
     total = float(walked[-1])
     reach = ROUND + SIDE
@@ -83,7 +118,7 @@ def _corners(line: Array, closed: bool) -> list[float]:
     found = [
         (rounding, place)
         for place in np.arange(0.0, total, STEP)
-        if (rounding := _rounding(line, walked, place)) < LONGEST_ROUNDING
+        if (rounding := _rounding(line, walked, place, tolerance)) < tolerance * LONGEST_ROUNDING
     ]
     return sorted(_sharpest(found, total if closed else math.inf))
 
@@ -98,10 +133,10 @@ def _sharpest(found: list[tuple[float, float]], total: float) -> Iterator[float]
             yield place
 
 
-def _rounding(line: Array, walked: Array, place: float) -> float:
+def _rounding(line: Array, walked: Array, place: float, tolerance: float) -> float:
     """Return over which length before and behind a place a line turns [m]; inf if it is smooth."""
     sides = [
-        _side(line[(away > ROUND) & (away < ROUND + SIDE)])
+        _side(line[(away > ROUND) & (away < ROUND + SIDE)], tolerance)
         for away in (place - walked, walked - place)
     ]
     before, after = sides
@@ -123,7 +158,7 @@ def _rounding(line: Array, walked: Array, place: float) -> float:
     return math.dist(tip, here) / math.tan(turn / 4)
 
 
-def _side(points: Array) -> _Side | None:
+def _side(points: Array, tolerance: float) -> _Side | None:
     """Return where points (n, 2) lead; None if they are too few, or bend themselves."""
     if len(points) < LEAST_POINTS or math.dist(points[0], points[-1]) < LEAST_SIDE:
         return None
@@ -132,11 +167,11 @@ def _side(points: Array) -> _Side | None:
     along = axes[0] * (np.sign((points[-1] - points[0]) @ axes[0]) or 1.0)
     away = points - middle
     way, aside = away @ along, away[:, 1] * along[0] - away[:, 0] * along[1]
-    if np.abs(aside).max() <= STRAIGHT_SIDE:
+    if np.abs(aside).max() <= tolerance * STRAIGHT_SIDE:
         return _Side(middle, along, 0.0)
     square, slope, offset = np.polyfit(way, aside, 2)
     rough = np.std(aside - np.polyval((square, slope, offset), way))
-    if rough > ROUGH_SIDE or abs(2.0 * square) > MOST_CURVED:
+    if rough > tolerance * ROUGH_SIDE or abs(2.0 * square) > MOST_CURVED:
         return None
     left = np.array([-along[1], along[0]])
     turned = along + slope * left

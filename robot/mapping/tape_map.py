@@ -95,7 +95,7 @@ class TapeMap:
     def fits(self) -> bool:
         """Whether the map explains what was seen."""
         whole = self.moved_at is None and not self.bare.contradicts and not self.overrun
-        return self._edges_lie_on_it and whole
+        return self._edges_lie_on_it and whole and self.solution.converged
 
     @property
     def unseen_ends(self) -> Array:
@@ -129,6 +129,11 @@ class TapeMap:
             remarks.append(
                 f"the map does not fit: {100 * self.solution.share:.0f} % of the edges that were "
                 f"seen lie on it, {self.residual:.1f} times as far off as expected"
+            )
+        if not self.solution.converged:
+            remarks.append(
+                "the adjustment did not come to an end, so the map is less certain than it says: "
+                "drive past the tape once more, from other sides"
             )
         if self.overrun:
             much = ", ".join(f"{name} {times:+.0f}" for name, times in self.overrun.items())
