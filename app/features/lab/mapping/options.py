@@ -36,7 +36,10 @@ def add_map_command(command: CommandParser) -> None:
         help="the drawing, or the ROS map (default: field.svg, or field.yaml)",
     )
     command.add_argument(
-        "--force", action="store_true", default=False, help="overwrite an earlier map and its report"
+        "--force",
+        action="store_true",
+        default=False,
+        help="overwrite an earlier map and its report",
     )
     command.add_argument(
         "--method",
