@@ -103,10 +103,10 @@ def require_new(*paths: Path) -> None:
     Raises:
         SettingError: names those that are there.
     """
-    there = [str(path) for path in paths if path.exists()]
-    if there:
+    taken = [str(path) for path in paths if path.exists()]
+    if taken:
         raise SettingError(
-            f"{', '.join(there)} would be overwritten; valid is another name, or --force"
+            f"{', '.join(taken)} would be overwritten; valid is another name, or --force"
         )
 
 

@@ -7,7 +7,6 @@ followed a little farther with what is known by then, and all of it is adjusted 
 
 from __future__ import annotations
 
-import math
 from functools import cached_property
 
 import numpy as np
@@ -145,11 +144,11 @@ class DrivePath:
         counting = self._drive.edge_counts[: len(state.poses)] - seen.near_ends
         lying = np.bincount(seen.picture, minlength=len(counting))
         sums = [np.convolve(edges, np.ones(TOGETHER), "same") for edges in (counting, lying)]
-        off = (sums[0] >= ENOUGH) & (sums[1] < LEAST_LYING * sums[0])
+        strays = (sums[0] >= ENOUGH) & (sums[1] < LEAST_LYING * sums[0])
         slips = np.abs(state.slip).max(axis=1) > MOST_SLIP
-        if not (off | slips).any():
+        if not (strays | slips).any():
             return ""
-        first = int(np.argmax(off | slips))
+        first = int(np.argmax(strays | slips))
         when = f"after {self._drive.stamps[first]:.0f} s"
         if slips[first]:
             return f"{when} the robot moved otherwise than its wheels turned: it was moved by hand"

@@ -115,18 +115,18 @@ def _corners(line: Array, closed: bool, tolerance: float) -> list[float]:
         before, after = walked[:-1] > total - reach, walked[1:] < reach
         line = np.vstack([line[:-1][before], line, line[1:][after]])
         walked = np.concatenate([walked[:-1][before] - total, walked, walked[1:][after] + total])
-    found = [
+    candidates = [
         (rounding, place)
         for place in np.arange(0.0, total, STEP)
         if (rounding := _rounding(line, walked, place, tolerance)) < tolerance * LONGEST_ROUNDING
     ]
-    return sorted(_sharpest(found, total if closed else math.inf))
+    return sorted(_sharpest(candidates, total if closed else math.inf))
 
 
-def _sharpest(found: list[tuple[float, float]], total: float) -> Iterator[float]:
+def _sharpest(candidates: list[tuple[float, float]], total: float) -> Iterator[float]:
     """Yield the sharpest places of those that are near each other."""
     taken: list[float] = []
-    for _, place in sorted(found):
+    for _, place in sorted(candidates):
         away = [abs(place - other) for other in taken]
         if all(min(each, total - each) > ROUND + LEAST_SIDE for each in away):
             taken.append(place)
@@ -142,8 +142,8 @@ def _rounding(line: Array, walked: Array, place: float, tolerance: float) -> flo
     before, after = sides
     if before is None or after is None:
         return math.inf
-    here = _between(line, walked, place)
-    ways = [float((here - side.origin) @ side.along) for side in (before, after)]
+    point = _between(line, walked, place)
+    ways = [float((point - side.origin) @ side.along) for side in (before, after)]
     (start, direction), (end, other) = before.at(ways[0]), after.at(ways[1])
     turn = abs(math.remainder(other - direction, math.tau))
     if turn < LEAST_CORNER:
@@ -155,7 +155,7 @@ def _rounding(line: Array, walked: Array, place: float, tolerance: float) -> flo
     away = end - start
     further = (away[0] * math.sin(other) - away[1] * math.cos(other)) / sine
     tip = start + further * np.array([math.cos(direction), math.sin(direction)])
-    return math.dist(tip, here) / math.tan(turn / 4)
+    return math.dist(tip, point) / math.tan(turn / 4)
 
 
 def _side(points: Array, tolerance: float) -> _Side | None:

@@ -58,8 +58,8 @@ WHEELS_SD = np.array([0.02, 0.02, 0.03])
 KNOWN_SD = 1e-3
 """Standard deviations of its other unknowns, as a share of those of a robot built by hand."""
 RULER_SD, HELD_SD = 1e-4, 1e-6
-"""Standard deviation of the tape's width where it is the only ruler [m]. While a map is adjusted the
-width is held, by the second: thousands of edges that lie a little beside rough strokes would
+"""Standard deviation of the tape's width where it is the only ruler [m]. While a map is adjusted
+the width is held, by the second: thousands of edges that lie a little beside rough strokes would
 stretch the ruler, and the whole map with it. The map is as uncertain as the first makes it."""
 MOST_PRIOR_SD = 3.0
 """An unknown that is farther from its description is not believed, by its prior's spread: with a
@@ -215,7 +215,7 @@ class Mapper:
         return replace(solution, covariance=free.covariance), overrun
 
     def _refined(self, solution: Solution) -> Solution:
-        """Give the strokes more nodes where they need them, cut them at corners, and adjust again."""
+        """Give the strokes the nodes that they need, cut them at corners, and adjust again."""
         for _ in range(ROUNDS):
             finer = refined(self._strokes, solution.misses)
             if finer is self._strokes:
