@@ -133,7 +133,7 @@ def _follow(path: DrivePath, known: float, report: Report) -> None:
 
 
 def _is_astray(path: DrivePath) -> bool:
-    return bool(path.lost) or not path.fits
+    return path.lost_at is not None or not path.fits
 
 
 def _from_elsewhere(
@@ -173,8 +173,7 @@ def _check_fit(path: DrivePath) -> None:
             f"{100 * path.solution.share:.0f} % of the edges that were seen lie on the field's: "
             "the robot was moved by hand, or this is another field"
         )
-    if path.lost:
-        raise CalibrationError(f"{path.lost}; valid is a shorter drive")
+    path.require_whole()
 
 
 def _with_unlearnt_left(path: DrivePath, others: Sequence[Pose2]) -> Calibration:

@@ -133,8 +133,8 @@ class DrivePath:
         return _fits(self.solution)
 
     @property
-    def lost(self) -> str:
-        """When the path seems to be wrong first, and by what, in words; empty if it never does.
+    def lost_at(self) -> int | None:
+        """At which picture the path seems to be wrong first; None if at none.
 
         That is where most edges lie off the field's, or the wheels had to slip too much. Edges that
         lie too near to the end of a field's edge say nothing; on a curve, which is many short
@@ -144,19 +144,39 @@ class DrivePath:
         counting = self._drive.edge_counts[: len(state.poses)] - seen.near_ends
         lying = np.bincount(seen.picture, minlength=len(counting))
         sums = [np.convolve(edges, np.ones(TOGETHER), "same") for edges in (counting, lying)]
-        strays = (sums[0] >= ENOUGH) & (sums[1] < LEAST_LYING * sums[0])
-        slips = np.abs(state.slip).max(axis=1) > MOST_SLIP
-        if not (strays | slips).any():
-            return ""
-        first = int(np.argmax(strays | slips))
-        when = f"after {self._drive.stamps[first]:.0f} s"
-        if slips[first]:
-            return f"{when} the robot moved otherwise than its wheels turned: it was moved by hand"
+        wrong = (sums[0] >= ENOUGH) & (sums[1] < LEAST_LYING * sums[0])
+        wrong |= self._slips
+        return int(np.argmax(wrong)) if wrong.any() else None
+
+    @property
+    def _slips(self) -> NDArray[np.bool_]:
+        """(k,) where the wheels had to slip too much."""
+        slips: NDArray[np.bool_] = np.abs(self.solution.state.slip).max(axis=1) > MOST_SLIP
+        return slips
+
+    def require_whole(self) -> None:
+        """Refuse a path that is wrong somewhere.
+
+        Raises:
+            CalibrationError: says when, and why.
+        """
+        first = self.lost_at
+        if first is None:
+            return
+        seconds = self._drive.stamps[first]
+        if self._slips[first]:
+            raise CalibrationError(
+                f"after {seconds:.0f} s the robot moved otherwise than its wheels turned: it was "
+                "moved by hand; valid is a shorter drive"
+            )
         if self._drive.edge_counts[max(0, first - UNSEEN) : first].sum() < UNSEEN:
-            return f"{when} its path is lost, as it saw no tape before"
-        return (
-            f"{when} most of the edges that were seen lie off the field's: the robot was moved by "
-            "hand, or there is tape that is not drawn"
+            raise CalibrationError(
+                f"after {seconds:.0f} s its path is lost, as the robot saw no tape before; valid "
+                "is a shorter drive"
+            )
+        raise CalibrationError(
+            f"after {seconds:.0f} s most of the edges that were seen lie off the field's: the "
+            "robot was moved by hand, or there is tape that is not drawn; valid is a shorter drive"
         )
 
     def grow(self, window: float) -> None:

@@ -175,7 +175,7 @@ class Mapper:
             self._strokes = whole
             self._refined(self._adjust(total, WHOLE[-1:]))
         solution = self._adjust(total, LAST, START_SD)
-        overrun = {}
+        overrun: dict[str, float] = {}
         if self._calibrate:
             solution, overrun = self._by_ruler(solution)
         rays = RaysOnFloor.of(log, self._spec, self._state)

@@ -215,6 +215,11 @@ d="M-300,350 H300 A350,350 0 0 0 300,-350 H-300 A350,350 0 0 0 -300,350 Z"/></sv
         ("oval", 9030, "default"),
         ("generated-90001", 9004, "default"),
         ("generated-90003", 9006, HAND_BUILT),
+        # What they see first looks alike elsewhere.
+        ("generated-92003", 9303, HAND_BUILT),
+        ("generated-92018", 9318, "default"),
+        # Rough edges are laid where the lens shows nothing.
+        ("generated-92026", 9326, "default"),
     ],
 )
 def test_a_field_that_curves_calibrates_as_well(name, seed, world, tmp_path) -> None:
