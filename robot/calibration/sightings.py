@@ -106,7 +106,7 @@ class Sightings:
         right = pixels if errors is None else pixels - errors[seen]
         rays = self._rays(right, values[FOCAL])
         by_camera, by_pixel = self._derivatives(right, rays, values[FOCAL], turn, place[2])
-        nowhere = ~np.isfinite(by_pixel).all(axis=(1, 2))
+        nowhere: NDArray[np.bool_] = ~np.isfinite(by_pixel).all(axis=(1, 2))
         if errors is not None and nowhere.any():
             # An edge that was taken for one far off would lie where the lens shows nothing.
             right = np.where(nowhere[:, None], pixels, right)
