@@ -97,6 +97,19 @@ def require_writable(*paths: Path) -> None:
             ) from error
 
 
+def require_new(*paths: Path) -> None:
+    """Make sure that no file is there whose name a result will have, before any work for it.
+
+    Raises:
+        SettingError: names those that are there.
+    """
+    taken = [str(path) for path in paths if path.exists()]
+    if taken:
+        raise SettingError(
+            f"{', '.join(taken)} would be overwritten; valid is another name, or --force"
+        )
+
+
 def _try_to_write(folder: Path) -> None:
     """Write a file and remove it; OSError if that fails."""
     with tempfile.NamedTemporaryFile(prefix=".unfinished-", dir=folder):

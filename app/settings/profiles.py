@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+import tomllib
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -12,7 +13,7 @@ import numpy as np
 from app.files import atomic_file
 from app.settings.groups import data_folder
 from robot.description.lens_table import MeasuredLens, table_lines
-from robot.description.profile import Profile, load_profile
+from robot.description.profile import Profile, load_profile, profile_of
 from robot.description.spec import RobotSpec
 from robot.description.unknowns import FOCAL, PRIORS, ROTATION, SHIFT
 from robot.description.urdf import SpecError
@@ -73,11 +74,17 @@ def with_mounting(profile: Profile, values: Array, sd: Array, source: str) -> Pr
 
 
 def write_profile(path: Path, profile: Profile) -> None:
-    """Write a profile as a whole; the one before is kept beside it, for ``undo``."""
+    """Write a profile as a whole; the one before is kept beside it, for ``undo``.
+
+    Raises:
+        SpecError: no robot is so, and nobody could read the file; nothing is written.
+    """
+    text = profile.to_toml()
+    profile_of(tomllib.loads(text))
     if path.exists():
         shutil.copyfile(path, before(path))
     with atomic_file(path) as new:
-        new.write_text(profile.to_toml(), encoding="utf-8")
+        new.write_text(text, encoding="utf-8")
 
 
 def write_calibration(path: Path, profile: Profile) -> None:

@@ -112,6 +112,8 @@ class Solution:
     """Sum of the squared errors, robust, in standard deviations."""
     share: float
     """Of the edges that were seen, those that lie near the field's."""
+    converged: bool = True
+    """Whether a further step would change nothing; else the covariance is too small."""
 
 
 class Adjustment:
@@ -144,7 +146,7 @@ class Adjustment:
         # The pixels' errors are known when edges were matched; without, even one step leads astray.
         if errors is None:
             errors = self._equations(state, weights, None).misses.pixels
-        equations = self._equations(state, weights, errors)
+        equations, converged = self._equations(state, weights, errors), False
         for _ in range(most):
             try:
                 step, shared, covariance, pose_covariance = equations.solve()
@@ -167,9 +169,11 @@ class Adjustment:
             still = (np.abs(shared) / np.sqrt(np.diag(covariance))).max() < STILL
             # An edge at the border of the gate may come and go for ever.
             if still or abs(before.cost - equations.cost) < SAME_COST:
+                converged = True
                 break
         share = len(equations.misses.residuals) / max(1, self._counting(equations.misses))
-        return Solution(state, covariance, pose_covariance, equations.misses, equations.cost, share)
+        seen, cost = equations.misses, equations.cost
+        return Solution(state, covariance, pose_covariance, seen, cost, share, converged)
 
     def alone(self, solution: Solution, weights: Weights, by_others: Array) -> tuple[Array, Array]:
         """Return what further unknowns would be (``Equations.alone``), at a solution."""
@@ -207,7 +211,7 @@ class Adjustment:
 
     def _counting(self, seen: Misses) -> int:
         """Return how many edges should lie on the field's: nobody measures at their ends."""
-        return self._count - seen.near_ends
+        return self._count - int(seen.near_ends.sum())
 
     def _step_errors(self, state: DriveEstimate) -> tuple[Array, Array, Array, Array]:
         """Return errors of the steps (k - 1, 3), and their derivatives, in standard deviations.

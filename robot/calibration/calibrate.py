@@ -19,6 +19,7 @@ from robot.calibration.drive_path import (
     start_text,
 )
 from robot.calibration.position_error import position_sd
+from robot.calibration.start_poses import alike
 from robot.description.spec import RobotSpec
 from robot.description.unknowns import PRIORS, ROBOT, ROTATION, UNKNOWNS
 from robot.fields.field import Field
@@ -49,6 +50,9 @@ MOTIONS = {
 """Motions, and the unknowns that each determines best."""
 FIXED = 1e-3
 """Factor on the prior of an unknown that stays as described."""
+
+Report = Callable[[float, Solution], None]
+"""Is called after each window with its length [s] and its solution."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +97,7 @@ def calibrate(
     taped: Field,
     start: Pose2,
     start_covariance: Array,
-    report: Callable[[float, Solution], None] = lambda seconds, solution: None,
+    report: Report = lambda seconds, solution: None,
 ) -> Calibration:
     """Find the path of a drive, and how the robot differs from its description.
 
@@ -110,14 +114,48 @@ def calibrate(
             not those of the field.
     """
     _check(log)
-    path = begin(FieldDrive(log, spec, taped), start, start_covariance)
+    drive = FieldDrive(log, spec, taped)
+    path = begin(drive, start, start_covariance)
+    _follow(path, BEGINNING_S, report)
+    if _is_astray(path):
+        path = _from_elsewhere(path, drive, start, start_covariance, report)
+    _check_fit(path)
+    return _with_unlearnt_left(path, path.compare_starts())
+
+
+def _follow(path: DrivePath, known: float, report: Report) -> None:
+    """Follow all of a drive; its beginning, up to a time after its first picture [s], is known."""
     for window in WINDOWS:
-        if window > BEGINNING_S and not path.whole:
+        if window > known and not path.whole:
             path.grow(window)
         if window >= BEGINNING_S:
             report(path.seconds, path.solution)
-    _check_fit(path)
-    return _with_unlearnt_left(path, path.compare_starts())
+
+
+def _is_astray(path: DrivePath) -> bool:
+    return path.lost_at is not None or not path.fits
+
+
+def _from_elsewhere(
+    path: DrivePath, drive: FieldDrive, given: Pose2, covariance: Array, report: Report
+) -> DrivePath:
+    """Return the path from another start, if the whole drive fits there; else the same.
+
+    The beginning of a drive may look alike in places that what comes later tells apart.
+    """
+    wrong = path.start
+    path.compare_starts()
+    for start in (path.start, given):
+        if alike(start, wrong):
+            continue
+        other = DrivePath(drive, start, covariance)
+        try:
+            _follow(other, 0.0, report)
+        except CalibrationError:
+            continue
+        if not _is_astray(other):
+            return other
+    return path
 
 
 def _check(log: DriveLog) -> None:
@@ -135,11 +173,7 @@ def _check_fit(path: DrivePath) -> None:
             f"{100 * path.solution.share:.0f} % of the edges that were seen lie on the field's: "
             "the robot was moved by hand, or this is another field"
         )
-    if not math.isnan(path.lost_at):
-        raise CalibrationError(
-            f"the path is lost after {path.lost_at:.0f} s: the robot was moved by hand, or saw no "
-            "tape for long; valid is a shorter drive"
-        )
+    path.require_whole()
 
 
 def _with_unlearnt_left(path: DrivePath, others: Sequence[Pose2]) -> Calibration:

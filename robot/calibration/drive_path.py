@@ -7,7 +7,6 @@ followed a little farther with what is known by then, and all of it is adjusted 
 
 from __future__ import annotations
 
-import math
 from functools import cached_property
 
 import numpy as np
@@ -51,6 +50,8 @@ TOGETHER, ENOUGH, LEAST_LYING = 10, 100, 0.5
 them lies on the field's, ..."""
 MOST_SLIP = 0.3
 """... or where a wheel would have slipped more than this, a share: seven of ``SLIP_SD``."""
+UNSEEN = 20
+"""No tape was in sight if so many pictures saw fewer edges than that together."""
 
 
 class FieldDrive:
@@ -132,18 +133,51 @@ class DrivePath:
         return _fits(self.solution)
 
     @property
-    def lost_at(self) -> float:
-        """When the path seems to be wrong first [s]; nan if it never does.
+    def lost_at(self) -> int | None:
+        """At which picture the path seems to be wrong first; None if at none.
 
-        That is where most edges lie off the field's, or the wheels had to slip too much.
+        That is where most edges lie off the field's, or the wheels had to slip too much. Edges that
+        lie too near to the end of a field's edge say nothing; on a curve, which is many short
+        edges, that is half of all.
         """
-        state = self.solution.state
-        seen = self._drive.edge_counts[: len(state.poses)]
-        lying = np.bincount(self.solution.misses.picture, minlength=len(seen))
-        sums = [np.convolve(edges, np.ones(TOGETHER), "same") for edges in (seen, lying)]
-        lost = (sums[0] >= ENOUGH) & (sums[1] < LEAST_LYING * sums[0])
-        lost |= np.abs(state.slip).max(axis=1) > MOST_SLIP
-        return float(self._drive.stamps[np.argmax(lost)]) if lost.any() else math.nan
+        state, seen = self.solution.state, self.solution.misses
+        counting = self._drive.edge_counts[: len(state.poses)] - seen.near_ends
+        lying = np.bincount(seen.picture, minlength=len(counting))
+        sums = [np.convolve(edges, np.ones(TOGETHER), "same") for edges in (counting, lying)]
+        wrong = (sums[0] >= ENOUGH) & (sums[1] < LEAST_LYING * sums[0])
+        wrong |= self._slips
+        return int(np.argmax(wrong)) if wrong.any() else None
+
+    @property
+    def _slips(self) -> NDArray[np.bool_]:
+        """(k,) where the wheels had to slip too much."""
+        slips: NDArray[np.bool_] = np.abs(self.solution.state.slip).max(axis=1) > MOST_SLIP
+        return slips
+
+    def require_whole(self) -> None:
+        """Refuse a path that is wrong somewhere.
+
+        Raises:
+            CalibrationError: says when, and why.
+        """
+        first = self.lost_at
+        if first is None:
+            return
+        seconds = self._drive.stamps[first]
+        if self._slips[first]:
+            raise CalibrationError(
+                f"after {seconds:.0f} s the robot moved otherwise than its wheels turned: it was "
+                "moved by hand; valid is a shorter drive"
+            )
+        if self._drive.edge_counts[max(0, first - UNSEEN) : first].sum() < UNSEEN:
+            raise CalibrationError(
+                f"after {seconds:.0f} s its path is lost, as the robot saw no tape before; valid "
+                "is a shorter drive"
+            )
+        raise CalibrationError(
+            f"after {seconds:.0f} s most of the edges that were seen lie off the field's: the "
+            "robot was moved by hand, or there is tape that is not drawn; valid is a shorter drive"
+        )
 
     def grow(self, window: float) -> None:
         """Follow the drive to a time after its first picture [s], and adjust all of it.

@@ -47,8 +47,8 @@ class Misses:
     """(n, 2) where they saw the floor, in the map [m]."""
     by_pixel: Array = field(repr=False)
     """(n, 2) by the pixel [1/px]."""
-    near_ends: int
-    """How many more lie too near to an edge's end to count."""
+    near_ends: NDArray[np.int64] = field(repr=False)
+    """(k,) how many more of each picture lie too near to an edge's end to count."""
 
 
 def misses(seen: Sightings, floor: FloorPoints, poses: Array, values: Array, gate: float) -> Misses:
@@ -71,7 +71,7 @@ def misses(seen: Sightings, floor: FloorPoints, poses: Array, values: Array, gat
     tape = seen.tape
     toward_tape = np.ascontiguousarray(toward_tape.reshape(-1, 2))
     edge = nearest_edges(ends, toward_tape, tape.edges, tape.normals, tape.margins, gate)
-    matched, near_ends = np.flatnonzero(edge >= 0), int((edge == NEAR_END).sum())
+    matched, near_ends = np.flatnonzero(edge >= 0), (edge == NEAR_END).reshape(shape).sum(axis=1)
     edge, picture, leaves = edge[matched], matched // shape[1], matched % shape[1] >= rays
     normal = tape.normals[edge]
     c, s = c[picture, 0], s[picture, 0]

@@ -106,6 +106,12 @@ class Sightings:
         right = pixels if errors is None else pixels - errors[seen]
         rays = self._rays(right, values[FOCAL])
         by_camera, by_pixel = self._derivatives(right, rays, values[FOCAL], turn, place[2])
+        nowhere = np.logical_not(np.isfinite(by_pixel)).any(axis=(1, 2), keepdims=True)[:, :, 0]
+        if errors is not None and np.any(nowhere):
+            # An edge that was taken for one far off would lie where the lens shows nothing.
+            right = np.where(nowhere, pixels, right)
+            rays = self._rays(right, values[FOCAL])
+            by_camera, by_pixel = self._derivatives(right, rays, values[FOCAL], turn, place[2])
         moved, shift = self._moved(seen, twists)
         at_edges = _apply(moved, shift, _on_floor(rays @ turn.T, place))
         points = at_edges

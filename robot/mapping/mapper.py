@@ -30,6 +30,7 @@ from robot.description.unknowns import (
     TAPE,
 )
 from robot.geometry import Array, Pose2
+from robot.mapping.bends import at_corners, cut_at_corners
 from robot.mapping.crossings import BareFloor, is_tape
 from robot.mapping.cutting import without_gaps
 from robot.mapping.ends import RaysOnFloor
@@ -56,8 +57,10 @@ WHEELS_SD = np.array([0.02, 0.02, 0.03])
 """Standard deviations of radii and separation of a robot that is as described."""
 KNOWN_SD = 1e-3
 """Standard deviations of its other unknowns, as a share of those of a robot built by hand."""
-RULER_SD = 1e-4
-"""Standard deviation of the tape's width where it is the only ruler [m]."""
+RULER_SD, HELD_SD = 1e-4, 1e-6
+"""Standard deviation of the tape's width where it is the only ruler [m]. While a map is adjusted
+the width is held, by the second: thousands of edges that lie a little beside rough strokes would
+stretch the ruler, and the whole map with it. The map is as uncertain as the first makes it."""
 MOST_PRIOR_SD = 3.0
 """An unknown that is farther from its description is not believed, by its prior's spread: with a
 wrong scale the tape's width was off by 6 to 65 of them, in right maps by at most 0.3."""
@@ -70,8 +73,8 @@ LEAST_MATCHED = 0.2
 """A picture tells where the robot is if this share of its edges lies on known ones."""
 LEAST_TURN = 1.0
 """The wheels have to turn at least this far [rad]."""
-ROUNDS = 5
-"""How often strokes get more nodes, at most."""
+ROUNDS = 8
+"""How often strokes get more nodes, or are cut at corners, at most."""
 
 
 class AdjustmentStage(NamedTuple):
@@ -89,6 +92,8 @@ GROWING = AdjustmentStage(0.03, 8.0, 3)
 """While the map grows, strokes are rough."""
 WHOLE = (AdjustmentStage(0.03, 1.0, 15), AdjustmentStage(0.02, 1.0, 15))
 """Of the whole drive, one after the other."""
+LAST = (AdjustmentStage(0.02, 1.0, 60),)
+"""The last one: a weak motion takes many steps."""
 
 
 class Mapper:
@@ -118,7 +123,7 @@ class Mapper:
         self._calibrate = calibrate
         self._sd = PRIORS.copy() if calibrate else KNOWN_SD * PRIORS
         if calibrate:
-            self._sd[TAPE] = RULER_SD
+            self._sd[TAPE] = HELD_SD
         else:
             self._sd[[LEFT, RIGHT, SEPARATION]] = WHEELS_SD
         self._state = DriveEstimate(np.zeros(COUNT), self._start[None].copy(), np.zeros((1, 2)))
@@ -153,11 +158,11 @@ class Mapper:
         elif self.mapped < total:
             # These few are only laid on the strokes, because the whole drive is adjusted below.
             self._state = self._followed(*self._part(total))
-        self._trace(total, FINE_SPACING)
+        # The first pictures of a robot that is not known yet were laid out wrongly.
+        self._trace(total, FINE_SPACING, rough=self._calibrate)
         if not self._strokes.traced:
             raise MappingError("the pictures show too little tape for a map")
         if self._calibrate:
-            # The first pictures were laid out by a robot that was not known yet.
             self._adjust(total, WHOLE)
             self._trace(total, FINE_SPACING)
         solution = self._refined(self._adjust(total, WHOLE))
@@ -169,7 +174,10 @@ class Mapper:
         if whole is not kept or len(real) < len(self._strokes.traced):
             self._strokes = whole
             self._refined(self._adjust(total, WHOLE[-1:]))
-        solution = self._adjust(total, WHOLE[-1:], START_SD)
+        solution = self._adjust(total, LAST, START_SD)
+        overrun: dict[str, float] = {}
+        if self._calibrate:
+            solution, overrun = self._by_ruler(solution)
         rays = RaysOnFloor.of(log, self._spec, self._state)
         tidy = tidied(without_gaps(self._strokes, rays), rays)
         more = find_lengthwise(tidy.strokes, self._width, rays)
@@ -185,23 +193,34 @@ class Mapper:
             self._adjustment(total).step_errors(self._state),
             BareFloor.of(tidy.strokes, self._width, rays),
             SeenFloor.of(rays),
-            self._overrun(),
+            overrun,
         )
 
-    def _overrun(self) -> dict[str, float]:
-        """Return which unknowns are where they cannot be, and by how many standard deviations.
+    def _by_ruler(self, solution: Solution) -> tuple[Solution, dict[str, float]]:
+        """Return a solution as uncertain as its ruler is, and which unknowns cannot be so.
 
-        What a known robot may differ by is set smaller than it is, and says nothing.
+        Those are unknowns that are farther from their description than any robot is, by how many
+        standard deviations: of the tape's width, where the edges would have it if it were not held.
         """
-        if not self._calibrate:
-            return {}
-        ratios = dict(zip(NAMES, (self._state.values / self._sd).tolist(), strict=True))
-        return {name: ratio for name, ratio in ratios.items() if abs(ratio) > MOST_PRIOR_SD}
+        sd = self._sd.copy()
+        sd[TAPE] = RULER_SD
+        adjustment = self._adjustment(len(self._log.stamps), START_SD)
+        state = replace(self._state, map=self._strokes.offsets)
+        weights = Weights(sd=sd, gate=LAST[-1].gate)
+        free = adjustment.solve(state, weights, LAST[-1].most, solution.misses.pixels)
+        values = solution.state.values.copy()
+        values[TAPE] = free.state.values[TAPE]
+        ratios = dict(zip(NAMES, (values / sd).tolist(), strict=True))
+        overrun = {name: ratio for name, ratio in ratios.items() if abs(ratio) > MOST_PRIOR_SD}
+        return replace(solution, covariance=free.covariance), overrun
 
     def _refined(self, solution: Solution) -> Solution:
-        """Give the strokes more nodes where they need them, and adjust again."""
+        """Give the strokes the nodes that they need, cut them at corners, and adjust again."""
         for _ in range(ROUNDS):
             finer = refined(self._strokes, solution.misses)
+            if finer is self._strokes:
+                # With all nodes that help, a stroke shows whether it is bent, or has a corner.
+                finer = cut_at_corners(self._strokes)
             if finer is self._strokes:
                 break
             self._strokes = finer
@@ -240,7 +259,7 @@ class Mapper:
         """Follow the drive to its picture of a number, and adjust all of it."""
         seen, motion = self._part(count)
         self._state = self._followed(seen, motion)
-        self._trace(count)
+        self._trace(count, rough=True)
         self._adjust(count, (GROWING,))
 
     def _adjustment(self, count: int, start_sd: Array = LOOSE_SD) -> MapAdjustment:
@@ -270,7 +289,7 @@ class Mapper:
             )
         return replace(state, poses=poses, slip=slip)
 
-    def _trace(self, count: int, spacing: float = SPACING) -> None:
+    def _trace(self, count: int, spacing: float = SPACING, *, rough: bool = False) -> None:
         """Draw the strokes anew, from where the path lies by now, with nodes at a distance [m]."""
         seen, motion = self._part(count)
         state = self._state
@@ -279,7 +298,7 @@ class Mapper:
         least = 2 if count <= 2 * WINDOW else 3
         # While the path is rough, what was seen a few times may be a second copy of other tape.
         cells = MiddleCells.of(middles, least, sparse=spacing == FINE_SPACING)
-        self._strokes = Strokes.of(_traced(cells, spacing), self._width)
+        self._strokes = Strokes.of(_traced(cells, spacing, rough=rough), self._width)
 
     def _adjust(
         self, count: int, stages: Sequence[AdjustmentStage], start_sd: Array = LOOSE_SD
@@ -306,7 +325,11 @@ def _check(log: DriveLog) -> None:
         raise MappingError("the robot stood still; it has to drive")
 
 
-def _traced(cells: MiddleCells, spacing: float) -> tuple[Stroke, ...]:
-    lines = trace(cells)
-    fitted = [fit_stroke(line, bool(np.array_equal(line[0], line[-1])), spacing) for line in lines]
-    return tuple(stroke for stroke in fitted if stroke is not None)
+def _traced(cells: MiddleCells, spacing: float, *, rough: bool) -> tuple[Stroke, ...]:
+    strokes = []
+    for line in trace(cells):
+        closed = bool(np.array_equal(line[0], line[-1]))
+        pieces = at_corners(line, closed, rough=rough)
+        ring = closed and pieces[0] is line
+        strokes += [fit_stroke(piece, ring, spacing) for piece in pieces]
+    return tuple(stroke for stroke in strokes if stroke is not None)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -95,7 +95,7 @@ class TapeMap:
     def fits(self) -> bool:
         """Whether the map explains what was seen."""
         whole = self.moved_at is None and not self.bare.contradicts and not self.overrun
-        return self._edges_lie_on_it and whole
+        return self._edges_lie_on_it and whole and self.solution.converged
 
     @property
     def unseen_ends(self) -> Array:
@@ -124,18 +124,7 @@ class TapeMap:
     @property
     def remarks(self) -> tuple[str, ...]:
         """What is wrong with the map, or may be wrong."""
-        remarks = []
-        if not self._edges_lie_on_it:
-            remarks.append(
-                f"the map does not fit: {100 * self.solution.share:.0f} % of the edges that were "
-                f"seen lie on it, {self.residual:.1f} times as far off as expected"
-            )
-        if self.overrun:
-            much = ", ".join(f"{name} {times:+.0f}" for name, times in self.overrun.items())
-            remarks.append(
-                "its scale may be wrong: the robot that was measured along with it cannot be built "
-                f"so ({much} times what is usual); calibrate the robot on a known field first"
-            )
+        remarks = list(self._doubts)
         if self.bare.is_lost:
             remarks.append(
                 f"{100 * self.bare.share:.0f} % of the rays across its tape saw bare floor there"
@@ -171,6 +160,26 @@ class TapeMap:
                 "shadow, or tape that was seen from its end only; drive past it"
             )
         return tuple(remarks)
+
+    @property
+    def _doubts(self) -> Iterator[str]:
+        """Yield what the adjustment says against itself."""
+        if not self._edges_lie_on_it:
+            yield (
+                f"the map does not fit: {100 * self.solution.share:.0f} % of the edges that were "
+                f"seen lie on it, {self.residual:.1f} times as far off as expected"
+            )
+        if not self.solution.converged:
+            yield (
+                "the adjustment did not come to an end, so the map is less certain than it says: "
+                "drive past the tape once more, from other sides"
+            )
+        if self.overrun:
+            much = ", ".join(f"{name} {times:+.0f}" for name, times in self.overrun.items())
+            yield (
+                "its scale may be wrong: the robot that was measured along with it cannot be built "
+                f"so ({much} times what is usual); calibrate the robot on a known field first"
+            )
 
     def cells(self, side: float) -> OccupancyGrid:
         """Return the map in cells with a side [m]; floor that no picture showed is unknown."""

@@ -80,3 +80,25 @@ def test_folders(sealed, tmp_path, monkeypatch, capsys, command):
         told = refused(capsys, *command, "--out", out)
         assert told.startswith(f"brickpose: {out} cannot be written to: ")
         assert "valid is a folder that you may write to" in told
+
+
+@pytest.mark.parametrize(
+    ("method", "ending"),
+    [
+        *(("strokes", ending) for ending in (".svg", ".yaml", ".pgm", ".html")),
+        *(("grid", ending) for ending in (".yaml", ".pgm", ".tum")),
+    ],
+)
+def test_an_earlier_map_is_not_written_over(tmp_path, capsys, method, ending):
+    drawing = method == "strokes"
+    precious = tmp_path / f"floor{ending}"
+    precious.write_text("precious")
+    out = tmp_path / f"floor{'.svg' if drawing else '.yaml'}"
+    source = "absent.mcap" if drawing else "absent.log"
+    told = refused(capsys, "map", source, "--method", method, "--out", out)
+    assert (
+        told == f"brickpose: {precious} would be overwritten; valid is another name, or --force\n"
+    )
+    assert precious.read_text() == "precious"
+    assert main(["map", source, "--method", method, "--out", str(out), "--force"]) != 0
+    assert "overwritten" not in capsys.readouterr().err

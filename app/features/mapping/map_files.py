@@ -14,6 +14,11 @@ CELL = 0.005
 """Side of the ROS map's cells [m]."""
 
 
+def written_for(out: Path) -> tuple[Path, ...]:
+    """Return all files that a map has whose drawing is a file."""
+    return out, out.with_suffix(".yaml"), out.with_suffix(".pgm")
+
+
 def write_map(drawn: TapeMap, out: Path, title: str) -> None:
     """Write a drawing, and the ROS map of the same name beside it.
 

@@ -201,3 +201,46 @@ def test_the_start_may_be_told_wrong_by_centimetres_and_degrees() -> None:
         log.until(150), SPEC, SQUARE, Pose2(0.07, -0.06, -0.2), START_COVARIANCE
     )
     assert abs(calibration.values[1] - true[1]) < 0.001
+
+
+OVAL = """<svg xmlns="http://www.w3.org/2000/svg" width="1600mm" height="1200mm"
+viewBox="-800 -600 1600 1200" data-start="0 -350 0"><title>Oval</title>
+<path fill="none" stroke="#000" stroke-width="50"
+d="M-300,350 H300 A350,350 0 0 0 300,-350 H-300 A350,350 0 0 0 -300,350 Z"/></svg>"""
+
+
+@pytest.mark.parametrize(
+    ("name", "seed", "world"),
+    [
+        ("oval", 9030, "default"),
+        ("generated-90001", 9004, "default"),
+        ("generated-90003", 9006, HAND_BUILT),
+        # What they see first looks alike elsewhere.
+        ("generated-92003", 9303, HAND_BUILT),
+        ("generated-92018", 9318, "default"),
+        # Rough edges are laid where the lens shows nothing.
+        ("generated-92026", 9326, "default"),
+    ],
+)
+def test_a_field_that_curves_calibrates_as_well(name, seed, world, tmp_path) -> None:
+    """A curve is hundreds of short edges, of which half the points count as near an end."""
+    if name == "oval":
+        (tmp_path / "oval.svg").write_text(OVAL)
+        name = str(tmp_path / "oval.svg")
+    taped = load_field(name, MAPS)
+    log, true, path = driven(world, seed, 20.0, map_name=name)
+    calibration = calibrate(log, SPEC, taped, placed(seed, taped), START_COVARIANCE)
+    assert (np.abs(calibration.values - true) < 4 * calibration.sd)[:ROBOT].all()
+    off = calibration.solution.state.poses[:, :2] - path[:, :2]
+    assert np.sqrt(np.mean((off**2).sum(axis=1))) < 0.0025
+
+
+def test_a_robot_that_is_carried_away_says_when_and_why() -> None:
+    log, _, _ = driven("default", 531, 20.0)
+    # For the last five seconds the robot saw what it had seen before.
+    pixels, last = log.pixels.copy(), len(log.stamps) - 50
+    pixels[last:] = log.pixels[20:70]
+    with pytest.raises(CalibrationError, match=r"after 1[45] s") as refused:
+        calibrate(altered(log, pixels=pixels), SPEC, SQUARE, placed(531), START_COVARIANCE)
+    assert "moved by hand" in str(refused.value)
+    assert "saw no tape" not in str(refused.value)

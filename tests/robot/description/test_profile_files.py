@@ -107,3 +107,11 @@ def test_the_doctor_tells_what_is_wrong_with_a_profile(own):
     assert check_profile(own, SPEC).level == PROBLEM
     own.write_text("nonsense")
     assert check_profile(own, SPEC).level == PROBLEM
+
+
+def test_what_could_not_be_read_back_is_not_written(own):
+    write_profile(own, profile(0.004))
+    with pytest.raises(SpecError, match=r"camera_z\.value is 0\.2; valid is -0\.075 to 0\.075"):
+        write_profile(own, profile(0.2))
+    assert load_profile(own).values[5] == pytest.approx(0.004)
+    assert not before(own).exists()

@@ -86,9 +86,9 @@ def calibrate_mounting(given: dict[str, Any]) -> int:
     profile = with_mounting(before, step, sd, measured.source)
     profile.applied_to(spec)
     floor = draw_floor(grey, seen_by.lens, measured.mounting.robot_from_camera)
+    write_profile(out, profile)
     with atomic_file(report) as new:
         cv2.imwrite(str(new), floor)
-    write_profile(out, profile)
     say(f"the profile is {out}; {report} shows the floor's grid: does it lie on the floor?")
     return 0
 

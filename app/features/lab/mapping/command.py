@@ -12,9 +12,9 @@ import numpy as np
 from app.console import say
 from app.features.lab.mapping.map_report import map_report
 from app.features.lab.unknown_lines import unknown_lines
-from app.features.mapping.map_files import write_map
+from app.features.mapping.map_files import write_map, written_for
 from app.features.recordings.replay.opening import ReplayOptions, open_replay
-from app.files import atomic_file, require_writable
+from app.files import atomic_file, require_new, require_writable
 from app.settings.profiles import profile_before, write_profile
 from robot.calibration.drive_log import DriveLog, DriveRecorder
 from robot.description.profile import Profile
@@ -36,6 +36,8 @@ def map_recording(
     width: float,
     report: Path | None,
     profile: Path | None,
+    *,
+    force: bool = False,
 ) -> int:
     """Run the command; return 0, or 1 if the map does not fit what was seen.
 
@@ -46,6 +48,7 @@ def map_recording(
         width: of the tape [m].
         report: the page to write; None is beside the drawing.
         profile: calibrates the robot along with the map, and writes its profile; or None.
+        force: whether files of an earlier map may be overwritten.
 
     Raises:
         MappingError, CalibrationError: the drive does not tell what the floor is like.
@@ -61,6 +64,8 @@ def map_recording(
     page = report or out.with_suffix(".html")
     calibrate = profile is not None
     require_writable(out, page, *([profile] if profile else []))
+    if not force:
+        require_new(*written_for(out), page)
     log, spec = read_drive(recording, width, calibrated=not calibrate)
     if profile is not None:
         profile_before(profile, spec)  # another robot's is not overwritten

@@ -11,7 +11,7 @@ import numpy as np
 
 from app.console import say
 from app.features.lab.mapping.looks import Observation, pictures, scans
-from app.files import require_writable
+from app.files import require_new, require_writable
 from app.trajectories.trajectory import Trajectory
 from app.trajectories.tum_file import write_tum
 from robot.fields.grid_map import save_map_yaml
@@ -42,6 +42,8 @@ def map_in_cells(parsed: argparse.Namespace, method: str, *, laser: bool) -> int
         raise SettingError(f"--out is {out}; valid is a file that ends in .yaml, for a ROS map")
     path = out.with_suffix(".tum")
     require_writable(out, path)
+    if not parsed.force:
+        require_new(out, out.with_suffix(".pgm"), path)
     mapper, looks = _mapper(parsed, method, laser), (scans if laser else pictures)(parsed)
     stamps = _draw(mapper, looks)
     grid = mapper.grid

@@ -36,6 +36,12 @@ def add_map_command(command: CommandParser) -> None:
         help="the drawing, or the ROS map (default: field.svg, or field.yaml)",
     )
     command.add_argument(
+        "--force",
+        action="store_true",
+        default=False,
+        help="overwrite an earlier map and its report",
+    )
+    command.add_argument(
         "--method",
         choices=METHODS,
         default=None,
@@ -100,4 +106,5 @@ def _map(parsed: argparse.Namespace) -> int:
             parsed.width,
             parsed.report,
             parsed.calibrate,
+            force=parsed.force,
         )

@@ -78,7 +78,8 @@ def test_a_robot_is_calibrated_along_with_the_map(
 ) -> None:
     out, profile = tmp_path / "floor.svg", tmp_path / "robot.toml"
     arguments = ["map", str(recording), "--out", str(out), "--calibrate", str(profile)]
-    assert main(arguments) == 0
+    out.with_suffix(".yaml").write_text("precious")
+    assert main([*arguments, "--force"]) == 0
     shown = capsys.readouterr().out
     assert f"brickpose run --map {out} --profile {profile}" in shown
     assert "camera_pitch" in shown
