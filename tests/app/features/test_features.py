@@ -42,6 +42,7 @@ NAMES = [
     "grid_filter",
     "lab",
     "mapping",
+    "navigation",
     "own_models",
     "recordings",
     "ros",

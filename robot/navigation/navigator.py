@@ -1,0 +1,374 @@
+"""Navigator: drives a robot from goal to goal, tick by tick; it says what it does and why."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import Literal, NamedTuple
+
+from robot.geometry import Array, Pose2, Twist2, wrap_angle
+from robot.localization.estimate import Integrity, State
+from robot.navigation.free_space import FreeSpace
+from robot.navigation.legs import Leg, straight
+from robot.navigation.planning import NoWayError, Planner, plan
+from robot.navigation.settings import NavigationSettings
+from robot.navigation.tracker import follow
+from robot.navigation.trajectory import Limits, Trajectory, timed
+
+NavigationState = Literal["planning", "driving", "waiting", "arrived", "canceled", "failed"]
+STANDS_V, STANDS_OMEGA = 0.004, 0.02
+"""A robot that is slower stands [m/s, rad/s]."""
+SETTLE_S = 0.4
+"""The robot stands so long before its end is judged: the filter sees it at rest [s]."""
+GOAL_STAYS = 3.0
+"""A place that was reached counts so until the robot is so many tolerances away from it."""
+MOST_CORRECTIONS = 3
+"""So often an end that is too far from its goal is driven to again."""
+CORRECTION_M = 0.08
+"""For that the robot goes back so far, and comes again [m]."""
+SLOWEST = 0.25
+"""Share of its speed that the robot keeps while its bound is wide."""
+LOOK_RATE = 0.8
+"""Turning speed of a robot that looks around [rad/s]."""
+MOST_LOOKING = 4 * math.pi
+"""It turns so far, and then waits [rad]."""
+LOOKS_ENOUGH_S = 0.3
+"""It has looked around when its place was known for so long [s]."""
+NEAREST_SEEN = 0.02
+"""A robot that sees a wall nearer to the circle of its turn than this does not look around [m]."""
+KNOWN = (State.CERTAIN, State.APPROXIMATE)
+UNSURE = {
+    State.AMBIGUOUS: "several places look alike",
+    State.SEARCHING: "it does not know where it is",
+    State.LOST: "it is lost",
+}
+
+
+class Goal(NamedTuple):
+    """A place in the map, and the heading there; None is any."""
+
+    x: float
+    y: float
+    theta: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class NavigationStatus:
+    """What navigation shows of itself."""
+
+    state: NavigationState
+    goals: tuple[Goal, ...]
+    at: int = 0
+    """Number of the goal that it drives to, from 0."""
+    reason: str = ""
+    """Why it stands or has failed, in words for people; empty while all is well."""
+    remaining_m: float = 0.0
+    """The way to this goal [m]."""
+    remaining_s: float = 0.0
+    """How long it takes to this goal [s]."""
+    target: Pose2 | None = None
+    """Where the robot shall be next."""
+    path: Array | None = field(default=None, repr=False)
+    """(n, 2) the way to this goal [m]; the same array as long as it is the same way."""
+
+    @property
+    def active(self) -> bool:
+        """Whether the robot drives, or will."""
+        return self.state in ("planning", "driving", "waiting")
+
+
+@dataclass(frozen=True)
+class Now:
+    """What a navigator knows of one tick."""
+
+    stamp: float
+    pose: Pose2 | None
+    """The estimate now; None while there is none."""
+    twist: Twist2
+    """As the wheels measure it."""
+    integrity: Integrity
+    seen: float = math.inf
+    """How near to its middle the robot sees a wall [m]; inf is none."""
+
+
+Job = Callable[[], tuple[Leg, ...]]
+"""Plans; raises a ``NoWayError``."""
+
+
+class Navigator:
+    """One journey: to a goal, or to several one after the other."""
+
+    def __init__(
+        self,
+        goals: tuple[Goal, ...],
+        settings: NavigationSettings,
+        limits: Limits,
+        *,
+        radius: float,
+        repeat: bool = False,
+        planner: Planner = plan,
+    ) -> None:
+        """Begin a journey.
+
+        Args:
+            goals: one or more.
+            settings: tolerances and speeds.
+            limits: of the drive.
+            radius: of the circle in which the robot turns on the spot [m].
+            repeat: whether it begins again after the last goal.
+            planner: finds ways.
+        """
+        self.status = NavigationStatus("planning", goals)
+        self._settings = settings
+        self._limits = limits
+        self._turning_room = radius + NEAREST_SEEN
+        self._repeat = repeat
+        self._planner = planner
+        self._trajectory: Trajectory | None = None
+        self._clock = 0.0
+        """How far the trajectory is driven [s]."""
+        self._stamp: float | None = None
+        self._stands_since: float | None = None
+        self._ended: float | None = None
+        """When the trajectory was over [s]; None before that."""
+        self._asked: Pose2 | None = None
+        """Where the way begins that is planned now; None if none is."""
+        self._looked = 0.0
+        """How far it has turned to look around since it last knew its place [rad]."""
+        self._knows_since: float | None = None
+        self._looks = False
+        self._corrections = 0
+        self._reached = False
+        """Whether the place of the goal was reached: then only the heading is left."""
+
+    def job(self, free: Callable[[], FreeSpace], now: Now) -> Job | None:
+        """Return work for another thread, if there is some: its result belongs to ``take``."""
+        if (
+            self.status.state != "planning" or self._asked is not None or now.pose is None
+            or not self._stands(now)
+        ):  # fmt: skip
+            return None
+        start, goal, planner = now.pose, self._goal, self._planner
+        reached, tolerance = self._reached, self._settings.xy_goal_tolerance
+        self._asked = start
+
+        def work() -> tuple[Leg, ...]:
+            space = free()
+            if goal.theta is None:
+                theta = math.atan2(goal.y - start.y, goal.x - start.x)
+                end = Pose2(goal.x, goal.y, theta)
+            else:
+                end = Pose2(goal.x, goal.y, goal.theta)
+            if reached and start.distance_to(end) <= GOAL_STAYS * tolerance:
+                return corrected(space, start, end, tolerance)
+            return planner(space, start, end)
+
+        return work
+
+    def take(self, legs: tuple[Leg, ...] | NoWayError) -> None:
+        """Drive along legs that were planned, or stand if there is no way."""
+        self._asked = None
+        if not self.status.active:
+            return
+        if isinstance(legs, NoWayError):
+            self._end("failed", str(legs))
+            return
+        self._clock = 0.0
+        self._stands_since = None
+        if not legs:
+            self._trajectory = None
+            self._next_goal()
+            return
+        self._trajectory = timed(legs, self._limits)
+        self._show("driving", path=self._trajectory.poses[:, :2])
+
+    def step(self, now: Now) -> Twist2:
+        """Return the twist to command in this tick."""
+        passed = 0.0 if self._stamp is None else max(now.stamp - self._stamp, 0.0)
+        self._stamp = now.stamp
+        trajectory = self._trajectory
+        if not self.status.active or self.status.state == "planning" or trajectory is None:
+            return Twist2()
+        pose = now.pose
+        doubt = self._doubt(now)
+        if pose is None or doubt or self._looks:
+            return self._look_around(now, doubt, passed)
+        if self._is_off(pose, trajectory):
+            self.plan_anew()
+            return Twist2()
+        if self._clock >= trajectory.duration and self._settled(now, pose, trajectory):
+            return Twist2()
+        pace = self._pace(now.integrity)
+        self._clock = min(self._clock + pace * passed, trajectory.duration)
+        wanted = trajectory.at(self._clock)
+        ahead = trajectory.at(self._clock + pace * self._settings.command_lag).twist
+        self._show("driving", target=wanted.pose)
+        paced = Twist2(pace * ahead.v, pace * ahead.omega)
+        return follow(pose, wanted, paced, self._settings)
+
+    def hold(self, now: Now) -> None:
+        """Stand in this tick, since nobody renews the journey."""
+        self._stamp = now.stamp
+        if self.status.state != "planning":
+            self._stands_since = None
+            self._show("waiting", reason="nothing is heard from its sender: it waits")
+
+    def ask_again(self) -> None:
+        """Have the way planned again whose result was lost."""
+        self._asked = None
+
+    def plan_anew(self) -> None:
+        """Stand, and plan another way from there."""
+        self._trajectory = None
+        self._stands_since = None
+        self._show("planning")
+
+    def cancel(self, reason: str) -> None:
+        """End the journey before its goal."""
+        if self.status.active:
+            self._end("canceled", reason)
+
+    @property
+    def _goal(self) -> Goal:
+        return self.status.goals[self.status.at]
+
+    def _stands(self, now: Now) -> bool:
+        return abs(now.twist.v) < STANDS_V and abs(now.twist.omega) < STANDS_OMEGA
+
+    def _doubt(self, now: Now) -> str:
+        """Return in words why the robot does not know its place well enough; empty if it does."""
+        if now.pose is None or now.integrity.state not in KNOWN:
+            return UNSURE.get(now.integrity.state, UNSURE[State.SEARCHING])
+        radius = now.integrity.radius
+        if radius <= self._settings.stop_radius:
+            return ""
+        if math.isinf(radius):
+            return "its place is in doubt"
+        return f"its place is known to {1000 * radius:.0f} mm only"
+
+    def _look_around(self, now: Now, doubt: str, passed: float) -> Twist2:
+        """Turn on the spot until the place is known; stand if that has not helped."""
+        if not self._looks:
+            self._looks, self._looked = True, 0.0
+        self._stands_since = None
+        if not doubt:
+            self._knows_since = now.stamp if self._knows_since is None else self._knows_since
+            if now.stamp - self._knows_since >= LOOKS_ENOUGH_S:
+                self._looks, self._knows_since = False, None
+                self.plan_anew()
+                return Twist2()
+        else:
+            self._knows_since = None
+        self._looked += LOOK_RATE * passed
+        if self._looked > MOST_LOOKING:
+            self._show("waiting", reason=f"{doubt}: it waits until it knows better")
+            return Twist2()
+        if now.seen < self._turning_room:
+            self._show("waiting", reason=f"{doubt}, and a wall is too near to look around")
+            return Twist2()
+        self._show("waiting", reason=f"{doubt or 'it knows its place again'}: it looks around")
+        return Twist2(0.0, LOOK_RATE)
+
+    def _pace(self, integrity: Integrity) -> float:
+        """Return the share of the planned speed that the robot drives."""
+        slow, stop = self._settings.slow_radius, self._settings.stop_radius
+        share = (stop - integrity.radius) / (stop - slow)
+        return min(1.0, max(SLOWEST, share))
+
+    def _is_off(self, pose: Pose2, trajectory: Trajectory) -> bool:
+        wanted = trajectory.at(self._clock).pose
+        return pose.distance_to(wanted) > self._settings.off_path
+
+    def _settled(self, now: Now, pose: Pose2, trajectory: Trajectory) -> bool:
+        """Whether the robot has come to its end: it then stands, and goes on or comes again."""
+        off = pose.inverse() @ trajectory.goal
+        settings = self._settings
+        there = abs(off.x) <= settings.xy_goal_tolerance / 2
+        turned = abs(off.theta) <= settings.yaw_goal_tolerance / 2
+        if self._stands_since is None:
+            late = self._clock_since_end(now) > 2.0
+            if not (there and turned and self._stands(now)) and not late:
+                return False
+            self._stands_since = now.stamp
+        if now.stamp - self._stands_since < SETTLE_S:
+            return True
+        self._judge(pose, trajectory.goal)
+        return True
+
+    def _clock_since_end(self, now: Now) -> float:
+        """Return how long the end of the trajectory is over [s]."""
+        if self._ended is None:
+            self._ended = now.stamp
+        return now.stamp - self._ended
+
+    def _judge(self, pose: Pose2, goal: Pose2) -> None:
+        settings = self._settings
+        distance = pose.distance_to(goal)
+        self._reached = True
+        self._ended = None
+        any_heading = self._goal.theta is None
+        turned = any_heading or abs(wrap_angle(goal.theta - pose.theta)) <= settings.yaw_goal_tolerance
+        if (distance <= settings.xy_goal_tolerance and turned) or (
+            self._corrections >= MOST_CORRECTIONS
+        ):
+            self._next_goal()
+            return
+        self._corrections += 1
+        self.plan_anew()
+
+    def _next_goal(self) -> None:
+        self._corrections, self._reached, self._ended = 0, False, None
+        at = self.status.at + 1
+        if at >= len(self.status.goals):
+            if not self._repeat:
+                self._end("arrived", "")
+                return
+            at = 0
+        self.status = replace(self.status, at=at)
+        self.plan_anew()
+
+    def _end(self, state: NavigationState, reason: str) -> None:
+        self._trajectory = None
+        self.status = replace(
+            self.status, state=state, reason=reason, remaining_m=0.0, remaining_s=0.0, target=None
+        )
+
+    def _show(
+        self,
+        state: NavigationState,
+        *,
+        reason: str = "",
+        target: Pose2 | None = None,
+        path: Array | None = None,
+    ) -> None:
+        trajectory = self._trajectory
+        left_m = left_s = 0.0
+        if trajectory is not None:
+            left_m = trajectory.left_at(self._clock)
+            left_s = trajectory.duration - self._clock
+        self.status = replace(
+            self.status,
+            state=state,
+            reason=reason,
+            target=target,
+            path=self.status.path if path is None else path,
+            remaining_m=left_m,
+            remaining_s=left_s,
+        )
+
+
+def corrected(free: FreeSpace, start: Pose2, goal: Pose2, tolerance: float) -> tuple[Leg, ...]:
+    """Return legs that bring a robot that stands beside its goal there.
+
+    Sideways it cannot go: it goes back and comes again, or ahead and back, where there is room.
+    """
+    off = goal.inverse() @ start
+    if abs(off.y) <= tolerance / 2:
+        return (straight(Pose2(start.x, start.y, goal.theta), -off.x),)
+    for distance in (-CORRECTION_M, CORRECTION_M, -CORRECTION_M / 2, CORRECTION_M / 2):
+        away = straight(start, distance)
+        there = straight(goal @ Pose2(distance), -distance)
+        if free.fits(away.poses) and free.fits(there.poses):
+            return away, there
+    return ()
