@@ -11,6 +11,8 @@ from robot.geometry import Array, Pose2, wrap_angle
 
 STEP = 0.005
 """Points of a curve are about so far from each other [m]."""
+FEWEST = 4
+"""Steps of a short curve: it begins and ends at rest, and moves between."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +51,7 @@ def turn(pose: Pose2, theta: float) -> Leg:
 
 def straight(pose: Pose2, distance: float) -> Leg:
     """Return a straight way from a pose; a negative distance [m] is driven backwards."""
-    parts = max(1, math.ceil(abs(distance) / STEP))
+    parts = max(FEWEST, math.ceil(abs(distance) / STEP))
     along = np.linspace(0.0, distance, parts + 1)
     x, y = pose.x + along * math.cos(pose.theta), pose.y + along * math.sin(pose.theta)
     return Leg(np.column_stack([x, y, np.full(parts + 1, pose.theta)]), backwards=distance < 0)
@@ -93,5 +95,5 @@ def rounded(corners: Array, length: float) -> Array:
 def _dense(corners: Array) -> Array:
     lengths = np.hypot(*np.diff(corners, axis=0).T)
     along = np.concatenate([[0.0], np.cumsum(lengths)])
-    wanted = np.linspace(0.0, along[-1], max(2, math.ceil(along[-1] / STEP) + 1))
+    wanted = np.linspace(0.0, along[-1], max(FEWEST, math.ceil(along[-1] / STEP)) + 1)
     return np.column_stack([np.interp(wanted, along, axis) for axis in corners.T])

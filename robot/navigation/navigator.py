@@ -7,10 +7,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Literal, NamedTuple
 
+import numpy as np
+
 from robot.geometry import Array, Pose2, Twist2, wrap_angle
 from robot.localization.estimate import Integrity, State
 from robot.navigation.free_space import FreeSpace
-from robot.navigation.legs import Leg, straight
+from robot.navigation.legs import Leg, curve, straight, turn
 from robot.navigation.planning import NoWayError, Planner, plan
 from robot.navigation.settings import NavigationSettings
 from robot.navigation.tracker import follow
@@ -21,12 +23,14 @@ STANDS_V, STANDS_OMEGA = 0.004, 0.02
 """A robot that is slower stands [m/s, rad/s]."""
 SETTLE_S = 0.4
 """The robot stands so long before its end is judged: the filter sees it at rest [s]."""
-GOAL_STAYS = 3.0
-"""A place that was reached counts so until the robot is so many tolerances away from it."""
+GOAL_STAYS = 0.015
+"""A place that was reached counts so until the robot is farther away from it [m]."""
 MOST_CORRECTIONS = 3
 """So often an end that is too far from its goal is driven to again."""
 CORRECTION_M = 0.08
 """For that the robot goes back so far, and comes again [m]."""
+SIDESTEPS = 25
+"""Points of the way back."""
 SLOWEST = 0.25
 """Share of its speed that the robot keeps while its bound is wide."""
 LOOK_RATE = 0.8
@@ -150,7 +154,7 @@ class Navigator:
         ):  # fmt: skip
             return None
         start, goal, planner = now.pose, self._goal, self._planner
-        reached, tolerance = self._reached, self._settings.xy_goal_tolerance
+        reached, settings = self._reached, self._settings
         self._asked = start
 
         def work() -> tuple[Leg, ...]:
@@ -160,8 +164,8 @@ class Navigator:
                 end = Pose2(goal.x, goal.y, theta)
             else:
                 end = Pose2(goal.x, goal.y, goal.theta)
-            if reached and start.distance_to(end) <= GOAL_STAYS * tolerance:
-                return corrected(space, start, end, tolerance)
+            if reached and start.distance_to(end) <= GOAL_STAYS:
+                return corrected(space, start, end, settings)
             return planner(space, start, end)
 
         return work
@@ -358,17 +362,34 @@ class Navigator:
         )
 
 
-def corrected(free: FreeSpace, start: Pose2, goal: Pose2, tolerance: float) -> tuple[Leg, ...]:
+def corrected(
+    free: FreeSpace, start: Pose2, goal: Pose2, settings: NavigationSettings
+) -> tuple[Leg, ...]:
     """Return legs that bring a robot that stands beside its goal there.
 
     Sideways it cannot go: it goes back and comes again, or ahead and back, where there is room.
     """
     off = goal.inverse() @ start
-    if abs(off.y) <= tolerance / 2:
-        return (straight(Pose2(start.x, start.y, goal.theta), -off.x),)
-    for distance in (-CORRECTION_M, CORRECTION_M, -CORRECTION_M / 2, CORRECTION_M / 2):
-        away = straight(start, distance)
-        there = straight(goal @ Pose2(distance), -distance)
-        if free.fits(away.poses) and free.fits(there.poses):
-            return away, there
-    return ()
+    near = settings.xy_goal_tolerance / 2
+    if abs(off.y) > near:
+        for distance in (-CORRECTION_M, CORRECTION_M, -CORRECTION_M / 2, CORRECTION_M / 2):
+            away = _sidestep(start, goal, distance)
+            there = straight(goal @ Pose2(distance), -distance)
+            if free.fits(away.poses) and free.fits(there.poses):
+                return away, there
+    legs = []
+    if abs(off.theta) > settings.yaw_goal_tolerance / 2 and free.turns(start.to_array()[None, :2]):
+        legs.append(turn(start, goal.theta))
+    if abs(off.x) > near:
+        legs.append(straight(Pose2(start.x, start.y, goal.theta), -off.x))
+    return tuple(legs)
+
+
+def _sidestep(start: Pose2, goal: Pose2, distance: float) -> Leg:
+    """Return a way from beside a goal onto its line, so far ahead of it [m] or behind."""
+    off = goal.inverse() @ start
+    share = np.linspace(0.0, 1.0, SIDESTEPS)
+    smooth = share**3 * (10 - 15 * share + 6 * share**2)
+    along = off.x + share * (distance - off.x)
+    points = goal.apply(np.column_stack([along, off.y * (1 - smooth)]))
+    return curve(points, backwards=distance < off.x)

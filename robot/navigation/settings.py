@@ -41,10 +41,10 @@ class NavigationSettings:
         3.2, "Turning speed gained or lost in a second", unit="rad/s^2", low=0.05, high=200
     )
     lookahead_dist: float = setting(
-        0.08, "Way on which the robot comes back to its path", unit="m", low=0.02, high=1
+        0.04, "Way on which the robot comes back to its path", unit="m", low=0.02, high=1
     )
     command_lag: float = setting(
-        0.06, "Time after which the wheels turn as they are told", unit="s", low=0, high=1
+        0.10, "Time after which the wheels turn as they are told", unit="s", low=0, high=1
     )
     xy_goal_tolerance: float = setting(
         0.001, "Largest distance from the goal at the end", unit="m", low=0.0002, high=1
