@@ -12,6 +12,7 @@ import numpy as np
 from app.engine.controls import Controls
 from app.features.navigation.journey import Journey
 from app.features.navigation.messages import CancelCommand
+from app.languages.marking import phrase
 from app.messages.commands import Command
 from app.settings.config import Config
 from robot.driving.differential_drive import DifferentialDrive
@@ -150,11 +151,12 @@ class Navigation:
 def _why(before: Journey, journey: Journey | None, controls: Controls) -> str:
     """Return in words why a journey has ended."""
     if before.helm.canceled:
-        return "it was canceled"
+        return phrase("somebody canceled it")
     if journey is not None:
-        return "another goal took its place"
-    mode = controls.driving.mode
-    return "the robot was stopped" if mode == "idle" else "somebody drives the robot otherwise"
+        return phrase("another goal took its place")
+    if controls.driving.mode == "idle":
+        return phrase("the robot was stopped")
+    return phrase("somebody drives the robot otherwise")
 
 
 def _now(reading: Reading, controls: Controls) -> Now:

@@ -9,5 +9,6 @@ FEATURE = Feature(
     companions=(Late("app.features.navigation.companion:companions"),),
     commands=(Late("app.features.navigation.commands:COMMANDS"),),
     messages=(Late("app.features.navigation.messages:MESSAGES"),),
+    compiled=(Late("app.features.navigation.compiled:COMPILED"),),
     outlet=Late("app.features.navigation.outlet:NavigationOutlet"),
 )
