@@ -234,8 +234,8 @@ class NavigationMessage(Message):
     """Number of the goal that it drives to, from 0."""
     target: PoseMessage | None
     """Where the robot shall be next."""
-    version: int
-    """Changes with the way; ``/api/navigation`` has it."""
+    planned: float
+    """When the way was planned [s]; ``/api/navigation`` has it."""
 
 
 class DriverMessage(Message):

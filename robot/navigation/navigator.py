@@ -37,6 +37,8 @@ LOOK_RATE = 0.8
 """Turning speed of a robot that looks around [rad/s]."""
 MOST_LOOKING = 4 * math.pi
 """It turns so far, and then waits [rad]."""
+DOUBT_S = 1.0
+"""It drives on slowly while its place is known badly for less than this [s]."""
 LOOKS_ENOUGH_S = 0.3
 """It has looked around when its place was known for so long [s]."""
 NEAREST_SEEN = 0.02
@@ -74,7 +76,9 @@ class NavigationStatus:
     target: Pose2 | None = None
     """Where the robot shall be next."""
     path: Array | None = field(default=None, repr=False)
-    """(n, 2) the way to this goal [m]; the same array as long as it is the same way."""
+    """(n, 2) the way to this goal [m]."""
+    planned: float = 0.0
+    """When that way was taken [s]: another one has another time."""
 
     @property
     def active(self) -> bool:
@@ -142,6 +146,7 @@ class Navigator:
         """How far it has turned to look around since it last knew its place [rad]."""
         self._knows_since: float | None = None
         self._looks = False
+        self._doubted_since: float | None = None
         self._corrections = 0
         self._reached = False
         """Whether the place of the goal was reached: then only the heading is left."""
@@ -185,7 +190,10 @@ class Navigator:
             self._next_goal()
             return
         self._trajectory = timed(legs, self._limits)
-        self._show("driving", path=self._trajectory.poses[:, :2])
+        self.status = replace(
+            self.status, path=self._trajectory.poses[:, :2].copy(), planned=self._stamp or 0.0
+        )
+        self._show("driving")
 
     def step(self, now: Now) -> Twist2:
         """Return the twist to command in this tick."""
@@ -196,7 +204,11 @@ class Navigator:
             return Twist2()
         pose = now.pose
         doubt = self._doubt(now)
-        if pose is None or doubt or self._looks:
+        if doubt and self._doubted_since is None:
+            self._doubted_since = now.stamp
+        elif not doubt:
+            self._doubted_since = None
+        if pose is None or self._looks or self._has_to_look(now):
             return self._look_around(now, doubt, passed)
         if self._is_off(pose, trajectory):
             self.plan_anew()
@@ -249,7 +261,13 @@ class Navigator:
             return ""
         if math.isinf(radius):
             return "its place is in doubt"
-        return f"its place is known to {1000 * radius:.0f} mm only"
+        return f"its place is known to {100 * math.ceil(10 * radius)} mm only"
+
+    def _has_to_look(self, now: Now) -> bool:
+        """Whether it does not know its place, or has not known it well for some time."""
+        if self._doubted_since is None:
+            return False
+        return now.integrity.state not in KNOWN or now.stamp - self._doubted_since > DOUBT_S
 
     def _look_around(self, now: Now, doubt: str, passed: float) -> Twist2:
         """Turn on the spot until the place is known; stand if that has not helped."""
@@ -344,7 +362,6 @@ class Navigator:
         *,
         reason: str = "",
         target: Pose2 | None = None,
-        path: Array | None = None,
     ) -> None:
         trajectory = self._trajectory
         left_m = left_s = 0.0
@@ -356,7 +373,6 @@ class Navigator:
             state=state,
             reason=reason,
             target=target,
-            path=self.status.path if path is None else path,
             remaining_m=left_m,
             remaining_s=left_s,
         )

@@ -44,7 +44,7 @@ class CancelCommand(CommandMessage):
 class NavigationPathMessage(Message):
     """The way of a journey."""
 
-    version: int
+    planned: float
     """As in telemetry."""
     goals: list[GoalMessage]
     path: list[tuple[float, float]]

@@ -15,7 +15,6 @@ from app.features.navigation.messages import GoalMessage, NavigationPathMessage
 from app.messages.telemetry import NavigationMessage
 from app.page.outlets import Outlet, Outlets
 from app.page.telemetry import pose_message
-from robot.geometry import Array
 from robot.navigation.navigator import NavigationStatus
 
 
@@ -26,7 +25,6 @@ class NavigationOutlet(Outlet):
         """Prepare to show them."""
         self._program = outlets.program
         self._keeper = JourneyKeeper(outlets.program)
-        self._versions = _Versions()
 
     @property
     def parts(self) -> Mapping[str, object]:
@@ -35,7 +33,7 @@ class NavigationOutlet(Outlet):
 
     def routers(self) -> Iterable[APIRouter]:
         """Return the route that shows the way."""
-        return (_router(self._program, self._versions),)
+        return (_router(self._program),)
 
     def telemetry(self, snapshot: Snapshot) -> Mapping[str, Any]:
         """Return how far the journey is."""
@@ -49,7 +47,7 @@ class NavigationOutlet(Outlet):
             reason=status.reason or None,
             at=status.at,
             target=pose_message(status.target),
-            version=self._versions.of(status.path),
+            planned=status.planned,
         )
         return {"navigation": message}
 
@@ -58,22 +56,7 @@ class NavigationOutlet(Outlet):
         self._keeper.close()
 
 
-class _Versions:
-    """Numbers the ways that are shown."""
-
-    def __init__(self) -> None:
-        self._path: Array | None = None
-        self._number = 0
-
-    def of(self, path: Array | None) -> int:
-        """Return the number of a way; another one has another number."""
-        if path is not self._path:
-            self._path = path
-            self._number += 1
-        return self._number
-
-
-def _router(program: Program, versions: _Versions) -> APIRouter:
+def _router(program: Program) -> APIRouter:
     router = APIRouter()
 
     @router.get("/api/navigation")
@@ -85,7 +68,7 @@ def _router(program: Program, versions: _Versions) -> APIRouter:
             return None
         path = [] if status.path is None else status.path.round(4).tolist()
         return NavigationPathMessage(
-            version=versions.of(status.path),
+            planned=status.planned,
             goals=[GoalMessage(x=x, y=y, theta=theta) for x, y, theta in status.goals],
             path=path,
         )

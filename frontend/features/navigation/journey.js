@@ -21,7 +21,7 @@ export class Journey {
   #cancel = findButton("journey-cancel");
   /** @type {OwnDrive} */
   #own;
-  /** Number of the way that was asked for. */
+  /** When the way that was asked for was planned [s]. */
   #asked = 0;
 
   /**
@@ -52,13 +52,13 @@ export class Journey {
     if (!navigation) return void (this.way = null);
     setText(this.#text, words(navigation));
     this.#cancel.hidden = !isActive(navigation);
-    if (navigation.version !== this.#asked) this.#load(navigation.version);
+    if (navigation.planned !== this.#asked) this.#load(navigation.planned);
   }
 
 
-  /** @param {number} version */
-  async #load(version) {
-    this.#asked = version;
+  /** @param {number} planned [s] */
+  async #load(planned) {
+    this.#asked = planned;
     this.way = await getJson("/api/navigation").catch(() => null);
   }
 }
