@@ -31,6 +31,8 @@ CORRECTION_M = 0.08
 """For that the robot goes back so far, and comes again [m]."""
 SIDESTEPS = 25
 """Points of the way back."""
+VAGUE_M = 0.035
+"""At a goal where its bound is wider than this, the robot turns around once to see more [m]."""
 SLOWEST = 0.25
 """Share of its speed that the robot keeps while its bound is wide."""
 LOOK_RATE = 0.8
@@ -148,6 +150,8 @@ class Navigator:
         self._looks = False
         self._doubted_since: float | None = None
         self._corrections = 0
+        self._seeks = self._sought = False
+        """Whether it shall turn around at the goal, and whether it has."""
         self._reached = False
         """Whether the place of the goal was reached: then only the heading is left."""
 
@@ -159,7 +163,8 @@ class Navigator:
         ):  # fmt: skip
             return None
         start, goal, planner = now.pose, self._goal, self._planner
-        reached, settings = self._reached, self._settings
+        reached, settings, seeks = self._reached, self._settings, self._seeks
+        self._seeks = False
         self._asked = start
 
         def work() -> tuple[Leg, ...]:
@@ -169,6 +174,8 @@ class Navigator:
                 end = Pose2(goal.x, goal.y, theta)
             else:
                 end = Pose2(goal.x, goal.y, goal.theta)
+            if seeks and space.turns(start.to_array()[None, :2]):
+                return _all_around(start)
             if reached and start.distance_to(end) <= GOAL_STAYS:
                 return corrected(space, start, end, settings)
             return planner(space, start, end)
@@ -315,7 +322,7 @@ class Navigator:
             self._stands_since = now.stamp
         if now.stamp - self._stands_since < SETTLE_S:
             return True
-        self._judge(pose, trajectory.goal)
+        self._judge(pose, trajectory.goal, now.integrity.radius)
         return True
 
     def _clock_since_end(self, now: Now) -> float:
@@ -324,8 +331,13 @@ class Navigator:
             self._ended = now.stamp
         return now.stamp - self._ended
 
-    def _judge(self, pose: Pose2, goal: Pose2) -> None:
+    def _judge(self, pose: Pose2, goal: Pose2, radius: float) -> None:
         settings = self._settings
+        if radius > VAGUE_M and not self._sought:
+            self._reached, self._ended = True, None
+            self._seeks = self._sought = True
+            self.plan_anew()
+            return
         distance = pose.distance_to(goal)
         self._reached = True
         self._ended = None
@@ -341,6 +353,7 @@ class Navigator:
 
     def _next_goal(self) -> None:
         self._corrections, self._reached, self._ended = 0, False, None
+        self._sought = False
         at = self.status.at + 1
         if at >= len(self.status.goals):
             if not self._repeat:
@@ -398,6 +411,15 @@ def corrected(
         legs.append(turn(start, goal.theta))
     if abs(off.x) > near:
         legs.append(straight(Pose2(start.x, start.y, goal.theta), -off.x))
+    return tuple(legs)
+
+
+def _all_around(pose: Pose2) -> tuple[Leg, ...]:
+    """Return a whole turn on the spot, in parts."""
+    legs = []
+    for _ in range(3):
+        legs.append(turn(pose, pose.theta + 2 * math.pi / 3))
+        pose = legs[-1].end
     return tuple(legs)
 
 

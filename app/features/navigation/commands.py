@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from app.engine.command_row import CommandRow, Part, Repeat, Request, TickContext
+from app.engine.driving import Programme
 from app.engine.driving_commands import require_drivable
 from app.engine.program import Program
 from app.features.navigation.journey import RENEWAL, Journey
@@ -34,17 +35,18 @@ def _begin(request: Request[NavigateCommand]) -> None:
 
 def _navigate(tick: TickContext[NavigateCommand]) -> None:
     command, controls = tick.command, tick.controls
-    journey = RENEWAL
+    journey: Programme = RENEWAL
     if command.poses is not None:
         goals = tuple(Goal(each.x, each.y, each.theta) for each in command.poses)
-        journey = Journey.to(goals, repeat=command.repeat)
+        journey = Journey.to(goals, controls.stamp, repeat=command.repeat)
     controls.driving.perform(journey, controls.stamp, start=command.poses is not None)
 
 
 def _cancel(tick: TickContext[CancelCommand]) -> None:
     driving = tick.controls.driving
     journey = driving.programme
-    if isinstance(journey, Journey):
+    before = tick.command.before
+    if isinstance(journey, Journey) and (before is None or journey.began < before):
         journey.helm.canceled = True
         driving.stop()
 

@@ -63,7 +63,7 @@ class Navigation:
     def commands(self, odom_from_robot: Pose2, controls: Controls) -> Iterable[Command]:
         """Tell recordings of a journey that ended before its goal."""
         canceled, self._canceled = self._canceled, False
-        return (CancelCommand(type="cancel"),) if canceled else ()
+        return (CancelCommand(type="cancel", before=controls.stamp),) if canceled else ()
 
     def add(self, reading: Reading, controls: Controls) -> None:
         """Set the velocity of this tick, if there is a journey."""

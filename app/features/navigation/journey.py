@@ -39,13 +39,15 @@ class Journey(Programme):
 
     goals: tuple[Goal, ...]
     repeat: bool = False
+    began: float
+    """Stamp of its command [s]."""
     helm: Helm = field(repr=False)
 
     @classmethod
-    def to(cls, goals: tuple[Goal, ...], *, repeat: bool = False) -> Journey:
+    def to(cls, goals: tuple[Goal, ...], began: float, *, repeat: bool = False) -> Journey:
         """Return a new journey."""
         helm = Helm()
-        return cls(MODE, helm.velocity, goals=goals, repeat=repeat, helm=helm)
+        return cls(MODE, helm.velocity, goals=goals, repeat=repeat, began=began, helm=helm)
 
 
 RENEWAL = Programme(MODE, Helm().velocity)

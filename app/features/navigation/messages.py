@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import ConfigDict, Field
 
 from app.messages.message import CommandMessage, Message, Metres, Radians
 
@@ -13,6 +13,8 @@ MOST_GOALS = 1000
 
 class GoalMessage(Message):
     """A goal in the map."""
+
+    model_config = ConfigDict(strict=True)
 
     x: Metres
     y: Metres
@@ -39,6 +41,8 @@ class CancelCommand(CommandMessage):
     """End the journey to a goal: the robot stands where it is."""
 
     type: Literal["cancel"]
+    before: float | None = None
+    """Only a journey that began before this time on the robot's clock [s]; null is any."""
 
 
 class NavigationPathMessage(Message):

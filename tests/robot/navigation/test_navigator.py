@@ -137,13 +137,13 @@ def test_it_does_not_look_around_where_a_wall_is_near():
 
 def test_it_is_slower_while_its_bound_is_wide():
     times = []
-    for radius in (0.01, 0.1):
+    for radius in (0.01, 0.1):  # at the goal it looks around besides, in about ten seconds
         robot = Ideal(Goal(0.35, 0.0, 0.0))
         robot.believed = Integrity(State.APPROXIMATE, radius, 0.1)
         robot.go(120)
         assert robot.status.state == "arrived"
         times.append(robot.stamp)
-    assert times[1] > 1.4 * times[0]
+    assert times[1] > 1.4 * times[0] + 8.0
 
 
 def test_a_robot_that_was_pushed_plans_anew_and_arrives():

@@ -6,6 +6,7 @@ import pytest
 from app.settings.config import MAPS
 from robot.description.spec import RobotSpec
 from robot.fields.field_loading import load_field
+from robot.fields.svg_field import field_of_drawing
 from robot.geometry import Pose2
 from robot.navigation.free_space import FreeSpace
 from robot.navigation.planning import NoWayError, plan, require_free
@@ -93,9 +94,17 @@ def test_a_goal_beyond_the_tape_has_no_way():
         plan(free, Pose2(), goal)
 
 
-def test_a_way_leads_around_the_bar_of_the_tee():
-    free = space("tee")
-    legs = plan(free, Pose2(), Pose2(0.36, 0.36, 0.0))
-    length = sum(leg.length for leg in legs)
-    straight = np.hypot(0.36, 0.36)
-    assert straight < length < 1.6 * straight
+def test_a_way_leads_around_a_wall():
+    drawing = (
+        '<svg xmlns="http://www.w3.org/2000/svg" width="1500mm" height="1500mm" '
+        'viewBox="-750 -750 1500 1500"><rect x="-750" y="-750" width="1500" height="1500" '
+        'fill="#ddd"/><path d="M 0 -725 V 200 M -725 -725 H 725 V 725 H -725 Z" fill="none" '
+        'stroke="#111" stroke-width="30"/></svg>'
+    )
+    field = field_of_drawing(drawing, "wall")
+    free = FreeSpace.of(field, RobotSpec.load().outline, NavigationSettings())
+    legs = plan(free, Pose2(-0.3, 0.3, 0.0), Pose2(0.3, 0.3, 0.0))
+    poses = np.concatenate([leg.poses for leg in legs])
+    # The drawing's y points down: the wall reaches from above to y = -0.2.
+    assert poses[:, 1].min() < -0.2 - free.radius
+    assert 1.4 < sum(leg.length for leg in legs) < 2.0
