@@ -24,7 +24,8 @@ TELLING = (
     "app/settings/field_names.py", "robot/calibration", "robot/description/profile.py",
     "robot/description/unknowns.py", "robot/description/lens_table.py", "robot/cameras",
     "robot/fields", "robot/hat", "robot/interface.py", "robot/localization", "robot/mapping",
-    "robot/navigation/planning.py", "robot/settings.py", "robot/toml_file.py", "sim/floor_camera.py", "sim/imperfections.py",
+    "robot/navigation/planning.py", "robot/settings.py", "robot/toml_file.py",
+    "sim/floor_camera.py", "sim/imperfections.py",
 )  # fmt: skip
 """Where errors and settings come from that the page shows: what they say are texts."""
 SPEAKING = (

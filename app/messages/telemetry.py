@@ -230,8 +230,8 @@ class NavigationMessage(Message):
     """How long it takes [s]."""
     reason: str | None
     """Why the robot waits, was stopped or has failed; null when all is well."""
-    at: int
-    """Number of the goal that it drives to, from 0."""
+    number: int
+    """Of the goal that it drives to, from 0."""
     target: PoseMessage | None
     """Where the robot shall be next."""
     planned: float

@@ -79,9 +79,9 @@ class FreeSpace:
         column = np.floor((points[:, 0] - self.origin[0]) / self.side).astype(np.intp)
         row = np.floor((points[:, 1] - self.origin[1]) / self.side).astype(np.intp)
         inside = (row >= 0) & (row < rows) & (column >= 0) & (column < columns)
-        found = np.zeros(len(points))
-        found[inside] = self.distance[row[inside], column[inside]]
-        return found
+        distances = np.zeros(len(points))
+        distances[inside] = self.distance[row[inside], column[inside]]
+        return distances
 
     def room(self, poses: Array) -> Array:
         """Return the smallest distance of the robot to walls (n,) [m] at poses (n, 3)."""

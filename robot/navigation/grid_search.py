@@ -13,15 +13,16 @@ from numpy.typing import NDArray
 
 from robot.compiling import compiled
 
+Costs = NDArray[np.float32]
+Cells = NDArray[np.int64]
+
 DIAGONAL = math.sqrt(2.0)
 SLACK = 1.01
 """A straight line takes the place of a path if it costs at most this times as much."""
 NO_PATH = np.empty((0, 2), np.int64)
 
 
-def search(
-    costs: NDArray[np.float32], start: tuple[int, int], goal: tuple[int, int]
-) -> NDArray[np.int64]:
+def search(costs: Costs, start: tuple[int, int], goal: tuple[int, int]) -> Cells:
     """Return the cheapest path over cells (n, 2) as rows and columns; (0, 2) if there is none.
 
     Args:
@@ -36,13 +37,13 @@ def search(
     return _search(costs, start[0], start[1], goal[0], goal[1])
 
 
-def straighten(costs: NDArray[np.float32], path: NDArray[np.int64]) -> NDArray[np.int64]:
+def straighten(costs: Costs, path: Cells) -> Cells:
     """Return the corners (m, 2) of a path of straight lines that costs hardly more."""
     return path[_corners(costs, path)]
 
 
 @compiled()
-def _search(costs, row, column, goal_row, goal_column):  # type: ignore[no-untyped-def]
+def _search(costs: Costs, row: int, column: int, goal_row: int, goal_column: int) -> Cells:
     height, width = costs.shape
     begin, end = row * width + column, goal_row * width + goal_column
     flat = costs.ravel()
@@ -55,37 +56,35 @@ def _search(costs, row, column, goal_row, goal_column):  # type: ignore[no-untyp
     cells = np.empty(8 * height * width + 8, np.int32)
     keys[0], cells[0], size = 0.0, begin, 1
     way[begin] = 0.0
-    while size > 0:
+    while size > 0 and not done[end]:
         cell = cells[0]
         size -= 1
         _sift_down(keys, cells, size)
         if done[cell]:
             continue
         done[cell] = True
-        if cell == end:
-            break
-        at_row, at_column = cell // width, cell % width
-        for down in range(-1, 2):
-            for right in range(-1, 2):
-                to_row, to_column = at_row + down, at_column + right
-                if to_row < 0 or to_row >= height or to_column < 0 or to_column >= width:
-                    continue
-                to = to_row * width + to_column
-                if done[to] or not math.isfinite(flat[to]):
-                    continue
-                step = DIAGONAL if down != 0 and right != 0 else 1.0
-                new = way[cell] + np.float32(step * 0.5) * (flat[cell] + flat[to])
-                if new < way[to]:
-                    way[to] = new
-                    before[to] = cell
-                    dy, dx = abs(to_row - goal_row), abs(to_column - goal_column)
-                    left = max(dy, dx) + (DIAGONAL - 1.0) * min(dy, dx)
-                    _sift_up(keys, cells, size, new + np.float32(left), to)
-                    size += 1
-    if not done[end]:
-        return np.empty((0, 2), np.int64)
-    count, cell = 1, end
-    while before[cell] >= 0:
+        for place in range(9):
+            next_row, next_column = cell // width + place // 3 - 1, cell % width + place % 3 - 1
+            if not (0 <= next_row < height and 0 <= next_column < width):
+                continue
+            neighbour = next_row * width + next_column
+            step = 1.0 if place % 2 == 1 else DIAGONAL
+            new = way[cell] + np.float32(step * 0.5) * (flat[cell] + flat[neighbour])
+            if new < way[neighbour] and math.isfinite(new):
+                way[neighbour] = new
+                before[neighbour] = cell
+                dy, dx = abs(next_row - goal_row), abs(next_column - goal_column)
+                left = max(dy, dx) + (DIAGONAL - 1.0) * min(dy, dx)
+                _sift_up(keys, cells, size, new + np.float32(left), neighbour)
+                size += 1
+    return _traced(before, begin, end, width, done[end])
+
+
+@compiled()
+def _traced(before: NDArray[np.int32], begin: int, end: int, width: int, reached: bool) -> Cells:
+    """Return the path that ends in a cell, by what comes before each cell."""
+    count, cell = 1 if reached else 0, end
+    while reached and cell != begin:
         cell = before[cell]
         count += 1
     path = np.empty((count, 2), np.int64)
@@ -97,7 +96,9 @@ def _search(costs, row, column, goal_row, goal_column):  # type: ignore[no-untyp
 
 
 @compiled()
-def _sift_up(keys, cells, place, key, cell):  # type: ignore[no-untyped-def]
+def _sift_up(
+    keys: NDArray[np.float32], cells: NDArray[np.int32], place: int, key: float, cell: int
+) -> None:
     while place > 0:
         parent = (place - 1) // 2
         if keys[parent] <= key:
@@ -108,7 +109,7 @@ def _sift_up(keys, cells, place, key, cell):  # type: ignore[no-untyped-def]
 
 
 @compiled()
-def _sift_down(keys, cells, size):  # type: ignore[no-untyped-def]
+def _sift_down(keys: NDArray[np.float32], cells: NDArray[np.int32], size: int) -> None:
     """Put the last entry at the top, and let it sink."""
     key, cell, place = keys[size], cells[size], 0
     while True:
@@ -125,7 +126,7 @@ def _sift_down(keys, cells, size):  # type: ignore[no-untyped-def]
 
 
 @compiled()
-def _line_cost(costs, row, column, to_row, to_column):  # type: ignore[no-untyped-def]
+def _line_cost(costs: Costs, row: int, column: int, to_row: int, to_column: int) -> float:
     """Return what a straight line costs, in cells; inf through a wall."""
     length = math.hypot(to_row - row, to_column - column)
     parts = max(1, math.ceil(2.0 * length))
@@ -138,7 +139,7 @@ def _line_cost(costs, row, column, to_row, to_column):  # type: ignore[no-untype
 
 
 @compiled()
-def _corners(costs, path):  # type: ignore[no-untyped-def]
+def _corners(costs: Costs, path: Cells) -> NDArray[np.int64]:
     count = len(path)
     along = np.zeros(count)
     for index in range(1, count):
@@ -146,24 +147,28 @@ def _corners(costs, path):  # type: ignore[no-untyped-def]
             costs, path[index - 1, 0], path[index - 1, 1], path[index, 0], path[index, 1]
         )
     kept = np.empty(count, np.int64)
-    kept[0], found, at = 0, 1, 0
-    while at < count - 1:
+    kept[0], number, corner = 0, 1, 0
+    while corner < count - 1:
         reach = count - 1
-        while reach > at + 1:
-            cost = _line_cost(costs, path[at, 0], path[at, 1], path[reach, 0], path[reach, 1])
-            if cost <= SLACK * (along[reach] - along[at]):
+        while reach > corner + 1:
+            cost = _line_cost(
+                costs, path[corner, 0], path[corner, 1], path[reach, 0], path[reach, 1]
+            )
+            if cost <= SLACK * (along[reach] - along[corner]):
                 break
-            reach = at + (reach - at) // 2
+            reach = corner + (reach - corner) // 2
         further = reach + 1
         misses = 0
         while further < count and misses < 8:
-            cost = _line_cost(costs, path[at, 0], path[at, 1], path[further, 0], path[further, 1])
-            if cost <= SLACK * (along[further] - along[at]):
+            cost = _line_cost(
+                costs, path[corner, 0], path[corner, 1], path[further, 0], path[further, 1]
+            )
+            if cost <= SLACK * (along[further] - along[corner]):
                 reach, misses = further, 0
             else:
                 misses += 1
             further += 1
-        at = reach
-        kept[found] = at
-        found += 1
-    return kept[:found]
+        corner = reach
+        kept[number] = corner
+        number += 1
+    return kept[:number]

@@ -1,4 +1,4 @@
-"""Leg: a part of a way, driven along a curve or turned on the spot; a way is several of them."""
+"""WayLeg: a part of a way, driven along a curve or turned on the spot; a way is several of them."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ FEWEST = 4
 
 
 @dataclass(frozen=True, eq=False)
-class Leg:
+class WayLeg:
     """Poses that the robot passes without standing in between."""
 
     poses: Array
@@ -40,24 +40,24 @@ class Leg:
         return Pose2.from_array(self.poses[-1])
 
 
-def turn(pose: Pose2, theta: float) -> Leg:
+def turn(pose: Pose2, theta: float) -> WayLeg:
     """Return a turn on the spot, by the shorter way, to a heading [rad]."""
     angle = wrap_angle(theta - pose.theta)
     parts = max(1, math.ceil(abs(angle) / 0.1))
     poses = np.tile(pose.to_array(), (parts + 1, 1))
     poses[:, 2] += np.linspace(0.0, angle, parts + 1)
-    return Leg(poses)
+    return WayLeg(poses)
 
 
-def straight(pose: Pose2, distance: float) -> Leg:
+def straight(pose: Pose2, distance: float) -> WayLeg:
     """Return a straight way from a pose; a negative distance [m] is driven backwards."""
     parts = max(FEWEST, math.ceil(abs(distance) / STEP))
     along = np.linspace(0.0, distance, parts + 1)
     x, y = pose.x + along * math.cos(pose.theta), pose.y + along * math.sin(pose.theta)
-    return Leg(np.column_stack([x, y, np.full(parts + 1, pose.theta)]), backwards=distance < 0)
+    return WayLeg(np.column_stack([x, y, np.full(parts + 1, pose.theta)]), backwards=distance < 0)
 
 
-def curve(points: Array, *, backwards: bool = False) -> Leg:
+def curve(points: Array, *, backwards: bool = False) -> WayLeg:
     """Return the way along points (n, 2) [m] that are near to each other; headings follow them."""
     ahead = np.diff(points, axis=0)
     ahead = ahead[np.hypot(ahead[:, 0], ahead[:, 1]) > 1e-9]
@@ -69,7 +69,7 @@ def curve(points: Array, *, backwards: bool = False) -> Leg:
     if len(headings) > 1:
         first, last = 2 * headings[0] - inner[0], 2 * headings[-1] - inner[-1]
     theta = np.concatenate([[first], inner, [last]])
-    return Leg(np.column_stack([points, theta + (math.pi if backwards else 0.0)]), backwards)
+    return WayLeg(np.column_stack([points, theta + (math.pi if backwards else 0.0)]), backwards)
 
 
 def rounded(corners: Array, length: float) -> Array:

@@ -12,11 +12,11 @@ import numpy as np
 from robot.geometry import Array, Pose2, Twist2, wrap_angle
 from robot.localization.estimate import Integrity, State
 from robot.navigation.free_space import FreeSpace
-from robot.navigation.legs import Leg, curve, straight, turn
+from robot.navigation.legs import WayLeg, curve, straight, turn
 from robot.navigation.planning import NoWayError, Planner, plan
 from robot.navigation.settings import NavigationSettings
+from robot.navigation.timed_way import Limits, TimedWay, timed
 from robot.navigation.tracker import follow
-from robot.navigation.trajectory import Limits, Trajectory, timed
 
 NavigationState = Literal["planning", "driving", "waiting", "arrived", "canceled", "failed"]
 STANDS_V, STANDS_OMEGA = 0.004, 0.02
@@ -53,6 +53,10 @@ UNSURE = {
 }
 
 
+Job = Callable[[], tuple[WayLeg, ...]]
+"""Plans; raises a ``NoWayError``."""
+
+
 class Goal(NamedTuple):
     """A place in the map, and the heading there; None is any."""
 
@@ -67,7 +71,7 @@ class NavigationStatus:
 
     state: NavigationState
     goals: tuple[Goal, ...]
-    at: int = 0
+    number: int = 0
     """Number of the goal that it drives to, from 0."""
     reason: str = ""
     """Why it stands or has failed, in words for people; empty while all is well."""
@@ -89,7 +93,7 @@ class NavigationStatus:
 
 
 @dataclass(frozen=True)
-class Now:
+class Sensed:
     """What a navigator knows of one tick."""
 
     stamp: float
@@ -100,10 +104,6 @@ class Now:
     integrity: Integrity
     seen: float = math.inf
     """How near to its middle the robot sees a wall [m]; inf is none."""
-
-
-Job = Callable[[], tuple[Leg, ...]]
-"""Plans; raises a ``NoWayError``."""
 
 
 class Navigator:
@@ -135,7 +135,7 @@ class Navigator:
         self._turning_room = radius + NEAREST_SEEN
         self._repeat = repeat
         self._planner = planner
-        self._trajectory: Trajectory | None = None
+        self._trajectory: TimedWay | None = None
         self._clock = 0.0
         """How far the trajectory is driven [s]."""
         self._stamp: float | None = None
@@ -155,19 +155,19 @@ class Navigator:
         self._reached = False
         """Whether the place of the goal was reached: then only the heading is left."""
 
-    def job(self, free: Callable[[], FreeSpace], now: Now) -> Job | None:
+    def job(self, free: Callable[[], FreeSpace], tick: Sensed) -> Job | None:
         """Return work for another thread, if there is some: its result belongs to ``take``."""
         if (
-            self.status.state != "planning" or self._asked is not None or now.pose is None
-            or not self._stands(now)
+            self.status.state != "planning" or self._asked is not None or tick.pose is None
+            or not self._stands(tick)
         ):  # fmt: skip
             return None
-        start, goal, planner = now.pose, self._goal, self._planner
+        start, goal, planner = tick.pose, self._goal, self._planner
         reached, settings, seeks = self._reached, self._settings, self._seeks
         self._seeks = False
         self._asked = start
 
-        def work() -> tuple[Leg, ...]:
+        def work() -> tuple[WayLeg, ...]:
             space = free()
             if goal.theta is None:
                 theta = math.atan2(goal.y - start.y, goal.x - start.x)
@@ -182,7 +182,7 @@ class Navigator:
 
         return work
 
-    def take(self, legs: tuple[Leg, ...] | NoWayError) -> None:
+    def take(self, legs: tuple[WayLeg, ...] | NoWayError) -> None:
         """Drive along legs that were planned, or stand if there is no way."""
         self._asked = None
         if not self.status.active:
@@ -202,27 +202,27 @@ class Navigator:
         )
         self._show("driving")
 
-    def step(self, now: Now) -> Twist2:
+    def step(self, tick: Sensed) -> Twist2:
         """Return the twist to command in this tick."""
-        passed = 0.0 if self._stamp is None else max(now.stamp - self._stamp, 0.0)
-        self._stamp = now.stamp
+        passed = 0.0 if self._stamp is None else max(tick.stamp - self._stamp, 0.0)
+        self._stamp = tick.stamp
         trajectory = self._trajectory
         if not self.status.active or self.status.state == "planning" or trajectory is None:
             return Twist2()
-        pose = now.pose
-        doubt = self._doubt(now)
+        pose = tick.pose
+        doubt = self._doubt(tick)
         if doubt and self._doubted_since is None:
-            self._doubted_since = now.stamp
+            self._doubted_since = tick.stamp
         elif not doubt:
             self._doubted_since = None
-        if pose is None or self._looks or self._has_to_look(now):
-            return self._look_around(now, doubt, passed)
+        if pose is None or self._looks or self._has_to_look(tick):
+            return self._look_around(tick, doubt, passed)
         if self._is_off(pose, trajectory):
             self.plan_anew()
             return Twist2()
-        if self._clock >= trajectory.duration and self._settled(now, pose, trajectory):
+        if self._clock >= trajectory.duration and self._settled(tick, pose, trajectory):
             return Twist2()
-        pace = self._pace(now.integrity)
+        pace = self._pace(tick.integrity)
         self._clock = min(self._clock + pace * passed, trajectory.duration)
         wanted = trajectory.at(self._clock)
         ahead = trajectory.at(self._clock + pace * self._settings.command_lag).twist
@@ -230,9 +230,9 @@ class Navigator:
         paced = Twist2(pace * ahead.v, pace * ahead.omega)
         return follow(pose, wanted, paced, self._settings)
 
-    def hold(self, now: Now) -> None:
+    def hold(self, tick: Sensed) -> None:
         """Stand in this tick, since nobody renews the journey."""
-        self._stamp = now.stamp
+        self._stamp = tick.stamp
         if self.status.state != "planning":
             self._stands_since = None
             self._show("waiting", reason="nothing is heard from its sender: it waits")
@@ -254,36 +254,36 @@ class Navigator:
 
     @property
     def _goal(self) -> Goal:
-        return self.status.goals[self.status.at]
+        return self.status.goals[self.status.number]
 
-    def _stands(self, now: Now) -> bool:
-        return abs(now.twist.v) < STANDS_V and abs(now.twist.omega) < STANDS_OMEGA
+    def _stands(self, tick: Sensed) -> bool:
+        return abs(tick.twist.v) < STANDS_V and abs(tick.twist.omega) < STANDS_OMEGA
 
-    def _doubt(self, now: Now) -> str:
+    def _doubt(self, tick: Sensed) -> str:
         """Return in words why the robot does not know its place well enough; empty if it does."""
-        if now.pose is None or now.integrity.state not in KNOWN:
-            return UNSURE.get(now.integrity.state, UNSURE[State.SEARCHING])
-        radius = now.integrity.radius
+        if tick.pose is None or tick.integrity.state not in KNOWN:
+            return UNSURE.get(tick.integrity.state, UNSURE[State.SEARCHING])
+        radius = tick.integrity.radius
         if radius <= self._settings.stop_radius:
             return ""
         if math.isinf(radius):
             return "its place is in doubt"
         return f"its place is known to {100 * math.ceil(10 * radius)} mm only"
 
-    def _has_to_look(self, now: Now) -> bool:
+    def _has_to_look(self, tick: Sensed) -> bool:
         """Whether it does not know its place, or has not known it well for some time."""
         if self._doubted_since is None:
             return False
-        return now.integrity.state not in KNOWN or now.stamp - self._doubted_since > DOUBT_S
+        return tick.integrity.state not in KNOWN or tick.stamp - self._doubted_since > DOUBT_S
 
-    def _look_around(self, now: Now, doubt: str, passed: float) -> Twist2:
+    def _look_around(self, tick: Sensed, doubt: str, passed: float) -> Twist2:
         """Turn on the spot until the place is known; stand if that has not helped."""
         if not self._looks:
             self._looks, self._looked = True, 0.0
         self._stands_since = None
         if not doubt:
-            self._knows_since = now.stamp if self._knows_since is None else self._knows_since
-            if now.stamp - self._knows_since >= LOOKS_ENOUGH_S:
+            self._knows_since = tick.stamp if self._knows_since is None else self._knows_since
+            if tick.stamp - self._knows_since >= LOOKS_ENOUGH_S:
                 self._looks, self._knows_since = False, None
                 self.plan_anew()
                 return Twist2()
@@ -293,7 +293,7 @@ class Navigator:
         if self._looked > MOST_LOOKING:
             self._show("waiting", reason=f"{doubt}: it waits until it knows better")
             return Twist2()
-        if now.seen < self._turning_room:
+        if tick.seen < self._turning_room:
             self._show("waiting", reason=f"{doubt}, and a wall is too near to look around")
             return Twist2()
         self._show("waiting", reason=f"{doubt or 'it knows its place again'}: it looks around")
@@ -305,31 +305,31 @@ class Navigator:
         share = (stop - integrity.radius) / (stop - slow)
         return min(1.0, max(SLOWEST, share))
 
-    def _is_off(self, pose: Pose2, trajectory: Trajectory) -> bool:
+    def _is_off(self, pose: Pose2, trajectory: TimedWay) -> bool:
         wanted = trajectory.at(self._clock).pose
         return pose.distance_to(wanted) > self._settings.off_path
 
-    def _settled(self, now: Now, pose: Pose2, trajectory: Trajectory) -> bool:
+    def _settled(self, tick: Sensed, pose: Pose2, trajectory: TimedWay) -> bool:
         """Whether the robot has come to its end: it then stands, and goes on or comes again."""
-        off = pose.inverse() @ trajectory.goal
+        error = pose.inverse() @ trajectory.goal
         settings = self._settings
-        there = abs(off.x) <= settings.xy_goal_tolerance / 2
-        turned = abs(off.theta) <= settings.yaw_goal_tolerance / 2
+        is_there = abs(error.x) <= settings.xy_goal_tolerance / 2
+        is_turned = abs(error.theta) <= settings.yaw_goal_tolerance / 2
         if self._stands_since is None:
-            late = self._clock_since_end(now) > 2.0
-            if not (there and turned and self._stands(now)) and not late:
+            late = self._clock_since_end(tick) > 2.0
+            if not (is_there and is_turned and self._stands(tick)) and not late:
                 return False
-            self._stands_since = now.stamp
-        if now.stamp - self._stands_since < SETTLE_S:
+            self._stands_since = tick.stamp
+        if tick.stamp - self._stands_since < SETTLE_S:
             return True
-        self._judge(pose, trajectory.goal, now.integrity.radius)
+        self._judge(pose, trajectory.goal, tick.integrity.radius)
         return True
 
-    def _clock_since_end(self, now: Now) -> float:
+    def _clock_since_end(self, tick: Sensed) -> float:
         """Return how long the end of the trajectory is over [s]."""
         if self._ended is None:
-            self._ended = now.stamp
-        return now.stamp - self._ended
+            self._ended = tick.stamp
+        return tick.stamp - self._ended
 
     def _judge(self, pose: Pose2, goal: Pose2, radius: float) -> None:
         settings = self._settings
@@ -342,7 +342,9 @@ class Navigator:
         self._reached = True
         self._ended = None
         any_heading = self._goal.theta is None
-        turned = any_heading or abs(wrap_angle(goal.theta - pose.theta)) <= settings.yaw_goal_tolerance
+        turned = (
+            any_heading or abs(wrap_angle(goal.theta - pose.theta)) <= settings.yaw_goal_tolerance
+        )
         if (distance <= settings.xy_goal_tolerance and turned) or (
             self._corrections >= MOST_CORRECTIONS
         ):
@@ -354,13 +356,13 @@ class Navigator:
     def _next_goal(self) -> None:
         self._corrections, self._reached, self._ended = 0, False, None
         self._sought = False
-        at = self.status.at + 1
-        if at >= len(self.status.goals):
+        following = self.status.number + 1
+        if following >= len(self.status.goals):
             if not self._repeat:
                 self._end("arrived", "")
                 return
-            at = 0
-        self.status = replace(self.status, at=at)
+            following = 0
+        self.status = replace(self.status, number=following)
         self.plan_anew()
 
     def _end(self, state: NavigationState, reason: str) -> None:
@@ -393,28 +395,30 @@ class Navigator:
 
 def corrected(
     free: FreeSpace, start: Pose2, goal: Pose2, settings: NavigationSettings
-) -> tuple[Leg, ...]:
+) -> tuple[WayLeg, ...]:
     """Return legs that bring a robot that stands beside its goal there.
 
     Sideways it cannot go: it goes back and comes again, or ahead and back, where there is room.
     """
-    off = goal.inverse() @ start
+    beside = goal.inverse() @ start
     near = settings.xy_goal_tolerance / 2
-    if abs(off.y) > near:
+    if abs(beside.y) > near:
         for distance in (-CORRECTION_M, CORRECTION_M, -CORRECTION_M / 2, CORRECTION_M / 2):
             away = _sidestep(start, goal, distance)
-            there = straight(goal @ Pose2(distance), -distance)
-            if free.fits(away.poses) and free.fits(there.poses):
-                return away, there
+            back = straight(goal @ Pose2(distance), -distance)
+            if free.fits(away.poses) and free.fits(back.poses):
+                return away, back
     legs = []
-    if abs(off.theta) > settings.yaw_goal_tolerance / 2 and free.turns(start.to_array()[None, :2]):
+    if abs(beside.theta) > settings.yaw_goal_tolerance / 2 and free.turns(
+        start.to_array()[None, :2]
+    ):
         legs.append(turn(start, goal.theta))
-    if abs(off.x) > near:
-        legs.append(straight(Pose2(start.x, start.y, goal.theta), -off.x))
+    if abs(beside.x) > near:
+        legs.append(straight(Pose2(start.x, start.y, goal.theta), -beside.x))
     return tuple(legs)
 
 
-def _all_around(pose: Pose2) -> tuple[Leg, ...]:
+def _all_around(pose: Pose2) -> tuple[WayLeg, ...]:
     """Return a whole turn on the spot, in parts."""
     legs = []
     for _ in range(3):
@@ -423,11 +427,11 @@ def _all_around(pose: Pose2) -> tuple[Leg, ...]:
     return tuple(legs)
 
 
-def _sidestep(start: Pose2, goal: Pose2, distance: float) -> Leg:
+def _sidestep(start: Pose2, goal: Pose2, distance: float) -> WayLeg:
     """Return a way from beside a goal onto its line, so far ahead of it [m] or behind."""
-    off = goal.inverse() @ start
+    beside = goal.inverse() @ start
     share = np.linspace(0.0, 1.0, SIDESTEPS)
     smooth = share**3 * (10 - 15 * share + 6 * share**2)
-    along = off.x + share * (distance - off.x)
-    points = goal.apply(np.column_stack([along, off.y * (1 - smooth)]))
-    return curve(points, backwards=distance < off.x)
+    along = beside.x + share * (distance - beside.x)
+    points = goal.apply(np.column_stack([along, beside.y * (1 - smooth)]))
+    return curve(points, backwards=distance < beside.x)

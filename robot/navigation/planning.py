@@ -11,9 +11,9 @@ from robot.errors import BrickPoseError
 from robot.geometry import Array, Pose2, wrap_angle
 from robot.navigation.free_space import FreeSpace
 from robot.navigation.grid_search import search, straighten
-from robot.navigation.legs import STEP, Leg, curve, rounded, straight, turn
+from robot.navigation.legs import STEP, WayLeg, curve, rounded, straight, turn
 
-Planner = Callable[[FreeSpace, Pose2, Pose2], tuple[Leg, ...]]
+Planner = Callable[[FreeSpace, Pose2, Pose2], tuple[WayLeg, ...]]
 """Returns legs from a pose to another one, or raises a ``NoWayError``."""
 
 SAME_PLACE, SAME_HEADING = 0.0005, 0.002
@@ -28,7 +28,7 @@ class NoWayError(BrickPoseError, ValueError):
     """There is no way to a goal, or the goal itself is not free; the message says which."""
 
 
-def plan(free: FreeSpace, start: Pose2, goal: Pose2) -> tuple[Leg, ...]:
+def plan(free: FreeSpace, start: Pose2, goal: Pose2) -> tuple[WayLeg, ...]:
     """Return legs from a start to a goal, on which the robot keeps its clearance.
 
     It turns on the spot at the start, drives a rounded path, and turns on the spot at the goal.
@@ -79,19 +79,19 @@ def require_free(free: FreeSpace, goal: Pose2) -> None:
     )
 
 
-def _short_way(free: FreeSpace, start: Pose2, goal: Pose2) -> tuple[Leg, ...] | None:
+def _short_way(free: FreeSpace, start: Pose2, goal: Pose2) -> tuple[WayLeg, ...] | None:
     """Return the way that is only a straight line, for a goal ahead or behind; None if it is not.
 
     So a robot that has stopped just beside its goal does not turn about for a few millimetres.
     """
-    to = start.inverse() @ goal
-    if abs(to.theta) > SAME_HEADING or abs(to.y) > SAME_PLACE or abs(to.x) > GATES[-1] * -1:
+    ahead = start.inverse() @ goal
+    if abs(ahead.theta) > SAME_HEADING or abs(ahead.y) > SAME_PLACE or abs(ahead.x) > -GATES[-1]:
         return None
-    leg = straight(start, to.x)
+    leg = straight(start, ahead.x)
     return (leg,) if free.fits(leg.poses) else None
 
 
-def _gates(free: FreeSpace, pose: Pose2, *, away: bool) -> Iterator[tuple[Leg | None, Pose2]]:
+def _gates(free: FreeSpace, pose: Pose2, *, away: bool) -> Iterator[tuple[WayLeg | None, Pose2]]:
     """Yield straight ways from a pose, or to it, with the other end, where the robot may turn."""
     for distance in GATES:
         other = pose @ Pose2(distance if away else -distance)
@@ -105,7 +105,7 @@ def _gates(free: FreeSpace, pose: Pose2, *, away: bool) -> Iterator[tuple[Leg | 
             yield leg, other
 
 
-def _between(free: FreeSpace, begin: Pose2, end: Pose2) -> list[Leg]:
+def _between(free: FreeSpace, begin: Pose2, end: Pose2) -> list[WayLeg]:
     """Return the turn at the beginning, the path, and the turn at the end."""
     if begin.distance_to(end) < SAME_PLACE:
         return _turn_if_needed(begin, end.theta)
@@ -119,11 +119,11 @@ def _between(free: FreeSpace, begin: Pose2, end: Pose2) -> list[Leg]:
     ]
 
 
-def _turn_if_needed(pose: Pose2, theta: float) -> list[Leg]:
+def _turn_if_needed(pose: Pose2, theta: float) -> list[WayLeg]:
     return [] if abs(wrap_angle(theta - pose.theta)) < SAME_HEADING else [turn(pose, theta)]
 
 
-def _path(free: FreeSpace, begin: Pose2, end: Pose2) -> Leg:
+def _path(free: FreeSpace, begin: Pose2, end: Pose2) -> WayLeg:
     """Return the curve between two places where the robot may turn."""
     corners = _corners(free, begin, end)
     for share in SMOOTHINGS:

@@ -56,7 +56,11 @@ class NavigationSettings:
         0.05, "The robot slows down while its bound is wider than this", unit="m", low=0.001, high=1
     )
     stop_radius: float = setting(
-        0.15, "The robot looks around while its bound is wider than this", unit="m", low=0.002, high=2
+        0.15,
+        "The robot looks around while its bound is wider than this",
+        unit="m",
+        low=0.002,
+        high=2,
     )
     off_path: float = setting(
         0.05, "A robot that is farther from its path plans anew", unit="m", low=0.005, high=2

@@ -6,7 +6,7 @@ import math
 
 from robot.geometry import Pose2, Twist2
 from robot.navigation.settings import NavigationSettings
-from robot.navigation.trajectory import Moment
+from robot.navigation.timed_way import Wanted
 
 ALONG_GAIN = 3.0
 """Speed by how far the robot is behind [1/s]."""
@@ -16,7 +16,7 @@ MOST_CATCH_UP, MOST_TURN = 0.08, 0.8
 """Feedback changes the wanted twist by at most this [m/s, rad/s]."""
 
 
-def follow(pose: Pose2, wanted: Moment, ahead: Twist2, settings: NavigationSettings) -> Twist2:
+def follow(pose: Pose2, wanted: Wanted, ahead: Twist2, settings: NavigationSettings) -> Twist2:
     """Return the twist to command (Kanayama et al. 1990, with gains by the way).
 
     The wanted twist is driven; what the robot is off is added: ahead of it by speed, sideways by
@@ -28,13 +28,13 @@ def follow(pose: Pose2, wanted: Moment, ahead: Twist2, settings: NavigationSetti
         ahead: the twist that is wanted when the command takes effect.
         settings: has ``lookahead_dist``.
     """
-    off = pose.inverse() @ wanted.pose
+    error = pose.inverse() @ wanted.pose
     back = 1.0 / settings.lookahead_dist
     rate = abs(ahead.v) * back
-    catch_up = _limited(ALONG_GAIN * off.x, MOST_CATCH_UP)
-    sideways = ahead.v * back * back * off.y
-    turning = (max(2 * rate, TURN_GAIN)) * off.theta
-    v = ahead.v * math.cos(off.theta) + catch_up
+    catch_up = _limited(ALONG_GAIN * error.x, MOST_CATCH_UP)
+    sideways = ahead.v * back * back * error.y
+    turning = (max(2 * rate, TURN_GAIN)) * error.theta
+    v = ahead.v * math.cos(error.theta) + catch_up
     return Twist2(v, ahead.omega + _limited(sideways + turning, MOST_TURN))
 
 

@@ -38,7 +38,7 @@ def _navigate(tick: TickContext[NavigateCommand]) -> None:
     journey: Programme = RENEWAL
     if command.poses is not None:
         goals = tuple(Goal(each.x, each.y, each.theta) for each in command.poses)
-        journey = Journey.to(goals, controls.stamp, repeat=command.repeat)
+        journey = Journey.new(goals, controls.stamp, repeat=command.repeat)
     controls.driving.perform(journey, controls.stamp, start=command.poses is not None)
 
 

@@ -20,11 +20,11 @@ from robot.fields.field import Field
 from robot.geometry import Pose2, Twist2
 from robot.interface import Reading, Robot
 from robot.navigation.free_space import FreeSpace
-from robot.navigation.legs import Leg
-from robot.navigation.navigator import NavigationStatus, Navigator, Now
+from robot.navigation.legs import WayLeg
+from robot.navigation.navigator import NavigationStatus, Navigator, Sensed
 from robot.navigation.planning import NoWayError
 from robot.navigation.settings import NavigationSettings
-from robot.navigation.trajectory import Limits
+from robot.navigation.timed_way import Limits
 
 PATIENCE_S, FIRST_PATIENCE_S = 0.15, 0.3
 """A way is driven this long after its planning began [s], on the robot's clock, so that drives
@@ -49,7 +49,7 @@ class Navigation:
         self._field = field
         self._journey: Journey | None = None
         self._free: FreeSpace | None = None
-        self._future: Future[tuple[Leg, ...]] | None = None
+        self._future: Future[tuple[WayLeg, ...]] | None = None
         self._due = 0.0
         self._stamp = -np.inf
         self._canceled = False
@@ -77,12 +77,12 @@ class Navigation:
         if journey is None or journey.helm.navigator is None:
             return
         navigator = journey.helm.navigator
-        now = _now(reading, controls)
-        self._plan(navigator, now, controls)
+        tick = _tick(reading, controls)
+        self._plan(navigator, tick, controls)
         if journey.helm.taken:
-            journey.helm.set(navigator.step(now))
+            journey.helm.set(navigator.step(tick))
         else:
-            navigator.hold(now)
+            navigator.hold(tick)
             journey.helm.twist = Twist2()
         self.shown = navigator.status
         if not navigator.status.active:
@@ -125,10 +125,10 @@ class Navigation:
         rim = min(drive.spec.joints[each].max_velocity * drive.radii[each] for each in wheels)
         return Limits.of(self._config.drive, self.settings, float(rim), drive.track)
 
-    def _plan(self, navigator: Navigator, now: Now, controls: Controls) -> None:
+    def _plan(self, navigator: Navigator, tick: Sensed, controls: Controls) -> None:
         """Have a way planned, or take one that is due."""
         if self._future is not None:
-            if now.stamp >= self._due:
+            if tick.stamp >= self._due:
                 future, self._future = self._future, None
                 try:
                     navigator.take(future.result())
@@ -136,9 +136,9 @@ class Navigation:
                     navigator.take(error)
             return
         outline = controls.spec.outline
-        job = navigator.job(lambda: self._space(outline), now)
+        job = navigator.job(lambda: self._space(outline), tick)
         if job is not None:
-            self._due = now.stamp + (FIRST_PATIENCE_S if self._free is None else PATIENCE_S)
+            self._due = tick.stamp + (FIRST_PATIENCE_S if self._free is None else PATIENCE_S)
             self._future = self._worker.submit(job)
 
     def _space(self, outline: np.ndarray) -> FreeSpace:
@@ -159,12 +159,12 @@ def _why(before: Journey, journey: Journey | None, controls: Controls) -> str:
     return phrase("somebody drives the robot otherwise")
 
 
-def _now(reading: Reading, controls: Controls) -> Now:
+def _tick(reading: Reading, controls: Controls) -> Sensed:
     odometry, follower = controls.odometry.at(reading.stamp), controls.follower
     belief = follower.belief
     pose = None if belief is None else belief.pose(odometry.odom_from_robot)
     integrity = follower.integrity_at(odometry.odom_from_robot)
-    return Now(reading.stamp, pose, odometry.twist, integrity, _nearest(controls))
+    return Sensed(reading.stamp, pose, odometry.twist, integrity, _nearest(controls))
 
 
 def _nearest(controls: Controls) -> float:

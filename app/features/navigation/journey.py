@@ -44,7 +44,7 @@ class Journey(Programme):
     helm: Helm = field(repr=False)
 
     @classmethod
-    def to(cls, goals: tuple[Goal, ...], began: float, *, repeat: bool = False) -> Journey:
+    def new(cls, goals: tuple[Goal, ...], began: float, *, repeat: bool = False) -> Journey:
         """Return a new journey."""
         helm = Helm()
         return cls(MODE, helm.velocity, goals=goals, repeat=repeat, began=began, helm=helm)

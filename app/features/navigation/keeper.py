@@ -86,7 +86,7 @@ class JourneyKeeper:
     def _renewed(self, driver: Driver, arbiter: Arbiter, began: float) -> bool:
         """Renew a journey; False if it is over, or somebody else drives."""
         latest = self._program.engine.latest.get()
-        status: NavigationStatus | None = latest and latest.added.get("navigation")
+        status: NavigationStatus | None = latest.added.get("navigation") if latest else None
         over = status is None or not status.active
         if over and time.monotonic() - began > BEGINS_S:
             return False

@@ -45,7 +45,7 @@ class NavigationOutlet(Outlet):
             remaining_m=round(status.remaining_m, 4),
             remaining_s=round(status.remaining_s, 2),
             reason=status.reason or None,
-            at=status.at,
+            number=status.number,
             target=pose_message(status.target),
             planned=status.planned,
         )
@@ -63,7 +63,7 @@ def _router(program: Program) -> APIRouter:
     def navigation() -> NavigationPathMessage | None:
         """The way of the journey to a goal; null before the first one."""
         latest = program.engine.latest.get()
-        status: NavigationStatus | None = latest and latest.added.get("navigation")
+        status: NavigationStatus | None = latest.added.get("navigation") if latest else None
         if status is None:
             return None
         path = [] if status.path is None else status.path.round(4).tolist()

@@ -2,6 +2,7 @@
 
 import heapq
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -29,10 +30,7 @@ def cheapest(costs, start, goal):
 
 
 def cost_of(costs, path):
-    return sum(
-        math.dist(a, b) * (costs[tuple(a)] + costs[tuple(b)]) / 2
-        for a, b in zip(path[:-1], path[1:], strict=True)
-    )
+    return sum(math.dist(a, b) * (costs[tuple(a)] + costs[tuple(b)]) / 2 for a, b in pairwise(path))
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -78,7 +76,7 @@ def test_corners_stay_around_a_wall():
     assert 3 <= len(corners) <= 5
     assert corners[0].tolist() == [25, 5]
     assert corners[-1].tolist() == [25, 45]
-    for a, b in zip(corners[:-1], corners[1:], strict=True):
+    for a, b in pairwise(corners):
         for share in np.linspace(0, 1, 200):
             row, column = np.floor(a + share * (b - a) + 0.5).astype(int)
             assert np.isfinite(costs[row, column])

@@ -10,10 +10,10 @@ from robot.fields.field_loading import load_field
 from robot.geometry import Pose2, Twist2
 from robot.localization.estimate import Integrity, State
 from robot.navigation.free_space import FreeSpace
-from robot.navigation.navigator import Goal, Navigator, Now
+from robot.navigation.navigator import Goal, Navigator, Sensed
 from robot.navigation.planning import NoWayError
 from robot.navigation.settings import NavigationSettings
-from robot.navigation.trajectory import Limits
+from robot.navigation.timed_way import Limits
 
 TICK = 0.02
 SURE = Integrity(State.CERTAIN, 0.01, 0.02)
@@ -38,7 +38,7 @@ class Ideal:
 
     def tick(self, *, hold=False) -> None:
         self.stamp += TICK
-        now = Now(self.stamp, self.pose, self.twist, self.believed, self.seen)
+        now = Sensed(self.stamp, self.pose, self.twist, self.believed, self.seen)
         job = self.navigator.job(lambda: FREE, now)
         if job is not None:
             try:
@@ -88,8 +88,8 @@ def test_several_goals_are_passed_in_their_order_and_again_if_wanted():
     passed = []
     for _ in range(3000):
         robot.tick()
-        if not passed or passed[-1] != robot.status.at:
-            passed.append(robot.status.at)
+        if not passed or passed[-1] != robot.status.number:
+            passed.append(robot.status.number)
     assert passed[:5] == [0, 1, 0, 1, 0]
     assert robot.status.active
 

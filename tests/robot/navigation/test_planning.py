@@ -11,7 +11,7 @@ from robot.geometry import Pose2
 from robot.navigation.free_space import FreeSpace
 from robot.navigation.planning import NoWayError, plan, require_free
 from robot.navigation.settings import NavigationSettings
-from robot.navigation.trajectory import Limits, timed
+from robot.navigation.timed_way import Limits, timed
 
 LIMITS = Limits(0.2, 0.48, 0.5, 1.8, 3.2, 0.33, 0.056)
 

@@ -142,7 +142,7 @@ def test_another_goal_takes_the_place_of_the_first(bench):
 def test_several_goals_are_driven_to_one_after_the_other(bench):
     poses = [GoalMessage(x=0.2, y=0.0), GoalMessage(x=0.2, y=0.2, theta=1.5)]
     bench.send(NavigateCommand(type="navigate", poses=poses))
-    at = [each.added["navigation"].at for each in bench.go(60) if "navigation" in each.added]
+    at = [each.added["navigation"].number for each in bench.go(60) if "navigation" in each.added]
     assert sorted(set(at)) == [0, 1]
     assert bench.status.state == "arrived"
     assert bench.now.truth.distance_to(Pose2(0.2, 0.2)) < 0.001

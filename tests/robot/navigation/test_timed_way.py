@@ -7,7 +7,7 @@ import pytest
 
 from robot.geometry import Pose2
 from robot.navigation.legs import curve, rounded, straight, turn
-from robot.navigation.trajectory import Limits, timed
+from robot.navigation.timed_way import Limits, timed
 
 LIMITS = Limits(0.2, 0.48, 0.5, 1.8, 3.2, 0.33, 0.056)
 CORNERS = np.array([[0.0, 0.0], [0.5, 0.0], [0.5, 0.5], [0.1, 0.7]])

@@ -1,4 +1,4 @@
-"""Trajectory: where the robot shall be at each time, and how fast, within the drive's limits."""
+"""TimedWay: where the robot shall be at each time, and how fast, within the drive's limits."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from robot.driving.drive_controller import DriveSettings
 from robot.geometry import Array, Pose2, Twist2
-from robot.navigation.legs import Leg
+from robot.navigation.legs import WayLeg
 from robot.navigation.settings import NavigationSettings
 
 SHARE = 0.8
@@ -25,7 +25,7 @@ SAMPLE_S = 0.02
 """Time between two moments of a trajectory [s]."""
 
 
-class Moment(NamedTuple):
+class Wanted(NamedTuple):
     """What is wanted at one time."""
 
     pose: Pose2
@@ -33,7 +33,7 @@ class Moment(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Trajectory:
+class TimedWay:
     """A way with its times."""
 
     times: Array
@@ -55,14 +55,14 @@ class Trajectory:
         """Where it ends."""
         return Pose2.from_array(self.poses[-1])
 
-    def at(self, time: float) -> Moment:
+    def at(self, time: float) -> Wanted:
         """Return what is wanted at a time [s]; before the start and after the end it stands."""
         place, share = self._place(time)
         low, high = self.poses[place], self.poses[place + 1]
         x, y, theta = (low + share * (high - low)).tolist()
         v, omega = self.twists[place], self.twists[place + 1]
         twist = v + share * (omega - v)
-        return Moment(Pose2(x, y, theta), Twist2(float(twist[0]), float(twist[1])))
+        return Wanted(Pose2(x, y, theta), Twist2(float(twist[0]), float(twist[1])))
 
     def left_at(self, time: float) -> float:
         """Return the way that is left at a time [m]."""
@@ -118,7 +118,7 @@ class Limits:
         )  # fmt: skip
 
 
-def timed(legs: tuple[Leg, ...], limits: Limits) -> Trajectory:
+def timed(legs: tuple[WayLeg, ...], limits: Limits) -> TimedWay:
     """Return legs with times: as fast as the limits allow, at rest between two legs."""
     parts = [_turn_timed(leg, limits) if leg.on_spot else _curve_timed(leg, limits) for leg in legs]
     begin, times, poses, twists = 0.0, [], [], []
@@ -130,10 +130,10 @@ def timed(legs: tuple[Leg, ...], limits: Limits) -> Trajectory:
     all_poses = np.concatenate(poses)
     steps = np.hypot(*np.diff(all_poses[:, :2], axis=0).T)
     left = np.concatenate([np.cumsum(steps[::-1])[::-1], [0.0]])
-    return Trajectory(np.concatenate(times), all_poses, np.concatenate(twists), left)
+    return TimedWay(np.concatenate(times), all_poses, np.concatenate(twists), left)
 
 
-def _turn_timed(leg: Leg, limits: Limits) -> tuple[Array, Array, Array]:
+def _turn_timed(leg: WayLeg, limits: Limits) -> tuple[Array, Array, Array]:
     """Turn with a trapezoid of the turning speed."""
     angle = float(leg.poses[-1, 2] - leg.poses[0, 2])
     gain = limits.turning_gain
@@ -151,7 +151,7 @@ def _turn_timed(leg: Leg, limits: Limits) -> tuple[Array, Array, Array]:
     return times, poses, np.column_stack([np.zeros_like(times), sign * omega])
 
 
-def _curve_timed(leg: Leg, limits: Limits) -> tuple[Array, Array, Array]:
+def _curve_timed(leg: WayLeg, limits: Limits) -> tuple[Array, Array, Array]:
     """Drive along a curve as fast as its bends allow."""
     poses = leg.poses
     steps = np.hypot(*np.diff(poses[:, :2], axis=0).T)
@@ -164,16 +164,18 @@ def _curve_timed(leg: Leg, limits: Limits) -> tuple[Array, Array, Array]:
     squares = np.minimum(speed, limits.speed) ** 2
     squares[0] = squares[-1] = 0.0
     for index in range(1, len(squares)):
-        squares[index] = min(squares[index], squares[index - 1] + 2 * limits.gain * steps[index - 1])
+        gained = 2 * limits.gain * steps[index - 1]
+        squares[index] = min(squares[index], squares[index - 1] + gained)
     for index in range(len(squares) - 2, -1, -1):
-        squares[index] = min(squares[index], squares[index + 1] + 2 * limits.loss * steps[index])
+        lost = 2 * limits.loss * steps[index]
+        squares[index] = min(squares[index], squares[index + 1] + lost)
     speed = np.sqrt(squares)
     # Between two points the speed's square changes evenly over the way, so the speed over time.
-    at = np.concatenate([[0.0], np.cumsum(2 * steps / (speed[:-1] + speed[1:]))])
-    times = np.linspace(0.0, at[-1], max(3, math.ceil(at[-1] / SAMPLE_S) + 1))
-    place = np.clip(np.searchsorted(at, times, side="right") - 1, 0, len(steps) - 1)
-    since = times - at[place]
-    gained = (speed[place + 1] - speed[place]) / (at[place + 1] - at[place])
+    reached = np.concatenate([[0.0], np.cumsum(2 * steps / (speed[:-1] + speed[1:]))])
+    times = np.linspace(0.0, reached[-1], max(3, math.ceil(reached[-1] / SAMPLE_S) + 1))
+    place = np.clip(np.searchsorted(reached, times, side="right") - 1, 0, len(steps) - 1)
+    since = times - reached[place]
+    gained = (speed[place + 1] - speed[place]) / (reached[place + 1] - reached[place])
     way = np.clip(along[place] + since * (speed[place] + gained * since / 2), 0.0, along[-1])
     v = np.maximum(speed[place] + gained * since, 0.0)
     timed_poses = np.column_stack([np.interp(way, along, axis) for axis in poses.T])
