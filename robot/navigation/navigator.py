@@ -71,6 +71,8 @@ class NavigationStatus:
 
     state: NavigationState
     goals: tuple[Goal, ...]
+    name: str | int | None = None
+    """By which its sender knows it."""
     number: int = 0
     """Number of the goal that it drives to, from 0."""
     reason: str = ""
@@ -116,6 +118,7 @@ class Navigator:
         limits: Limits,
         *,
         radius: float,
+        name: str | int | None = None,
         repeat: bool = False,
         planner: Planner = plan,
     ) -> None:
@@ -126,10 +129,11 @@ class Navigator:
             settings: tolerances and speeds.
             limits: of the drive.
             radius: of the circle in which the robot turns on the spot [m].
+            name: by which its sender knows the journey.
             repeat: whether it begins again after the last goal.
             planner: finds ways.
         """
-        self.status = NavigationStatus("planning", goals)
+        self.status = NavigationStatus("planning", goals, name)
         self._settings = settings
         self._limits = limits
         self._turning_room = radius + NEAREST_SEEN

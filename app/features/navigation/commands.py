@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from app.engine.command_row import CommandRow, Part, Repeat, Request, TickContext
-from app.engine.driving import Programme
 from app.engine.driving_commands import require_drivable
 from app.engine.program import Program
 from app.features.navigation.journey import RENEWAL, Journey
@@ -13,7 +12,6 @@ from app.features.navigation.messages import CancelCommand, NavigateCommand
 from robot.errors import CommandError
 from robot.fields.field import Field
 from robot.geometry import Pose2
-from robot.navigation.navigator import Goal
 
 if TYPE_CHECKING:
     from app.features.navigation.keeper import JourneyKeeper
@@ -35,11 +33,9 @@ def _begin(request: Request[NavigateCommand]) -> None:
 
 def _navigate(tick: TickContext[NavigateCommand]) -> None:
     command, controls = tick.command, tick.controls
-    journey: Programme = RENEWAL
-    if command.poses is not None:
-        goals = tuple(Goal(each.x, each.y, each.theta) for each in command.poses)
-        journey = Journey.new(goals, controls.stamp, repeat=command.repeat)
-    controls.driving.perform(journey, controls.stamp, start=command.poses is not None)
+    starts = command.poses is not None
+    journey = Journey.of(command, controls.stamp) if starts else RENEWAL
+    controls.driving.perform(journey, controls.stamp, start=starts)
 
 
 def _cancel(tick: TickContext[CancelCommand]) -> None:

@@ -116,7 +116,9 @@ class Navigation:
             limits = self._limits(controls.driving.kinematics)
             goals, repeat = journey.goals, journey.repeat
             radius = float(np.hypot(*controls.spec.outline.T).max())
-            navigator = Navigator(goals, self.settings, limits, radius=radius, repeat=repeat)
+            navigator = Navigator(
+                goals, self.settings, limits, radius=radius, name=journey.name, repeat=repeat
+            )
             journey.helm.navigator = navigator
             self.shown = navigator.status
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from app.engine.driving import Programme
+from app.features.navigation.messages import NavigateCommand
 from robot.geometry import Twist2
 from robot.navigation.navigator import Goal, Navigator
 
@@ -38,16 +39,27 @@ class Journey(Programme):
     """A drive to goals."""
 
     goals: tuple[Goal, ...]
+    name: str | int | None = None
+    """By which its sender knows it."""
     repeat: bool = False
     began: float
     """Stamp of its command [s]."""
     helm: Helm = field(repr=False)
 
     @classmethod
-    def new(cls, goals: tuple[Goal, ...], began: float, *, repeat: bool = False) -> Journey:
-        """Return a new journey."""
+    def of(cls, command: NavigateCommand, stamp: float) -> Journey:
+        """Return the journey that a command wants at a stamp [s]."""
+        goals = tuple(Goal(each.x, each.y, each.theta) for each in command.poses or ())
         helm = Helm()
-        return cls(MODE, helm.velocity, goals=goals, repeat=repeat, began=began, helm=helm)
+        return cls(
+            MODE,
+            helm.velocity,
+            goals=goals,
+            name=command.id,
+            repeat=command.repeat,
+            began=stamp,
+            helm=helm,
+        )
 
 
 RENEWAL = Programme(MODE, Helm().velocity)
