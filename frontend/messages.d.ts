@@ -125,6 +125,8 @@ export interface CancelCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
   type: "cancel";
+  /** Only a journey that began before this time on the robot's clock [s]; null is any. */
+  before?: number | null;
 }
 
 /** What is to change of a recording; what is left out stays. */
@@ -715,18 +717,18 @@ export interface NavigationMessage {
   remaining_s: number;
   /** Why the robot waits, was stopped or has failed; null when all is well. */
   reason: string | null;
-  /** Number of the goal that it drives to, from 0. */
-  at: number;
+  /** Of the goal that it drives to, from 0. */
+  number: number;
   /** Where the robot shall be next. */
   target: PoseMessage | null;
-  /** Changes with the way; ``/api/navigation`` has it. */
-  version: number;
+  /** When the way was planned [s]; ``/api/navigation`` has it. */
+  planned: number;
 }
 
 /** The way of a journey. */
 export interface NavigationPathMessage {
   /** As in telemetry. */
-  version: number;
+  planned: number;
   goals: GoalMessage[];
   /** x, y [m] along the way to the next goal; empty before it is planned. */
   path: [number, number][];

@@ -26,7 +26,7 @@ def page(browser, server):
 def drag(page, start, end):
     """Press at a place on the map [m], drag to another one, release."""
     (u, v), (to_u, to_v) = (
-        page.evaluate("([x, y]) => window.brickpose.toPage(x, y)", list(place))
+        page.evaluate("([x, y]) => window.brickpose.mapPixel(x, y)", list(place))
         for place in (start, end)
     )
     page.mouse.move(u, v)
