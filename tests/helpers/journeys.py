@@ -49,7 +49,7 @@ class JourneyBench:
         shown = []
         for _ in range(round(seconds / PERIOD)):
             if renew:
-                self.outlets.drivers.renew(PAGE, RENEW)
+                self.program.engine.commands.put(RENEW)
             self.now = self.program.engine.step()
             shown.append(self.now)
             if self.status is not None and not self.status.active:

@@ -51,7 +51,7 @@ class Floor:
         told: list[dict] = []
         for _ in range(round(seconds / PERIOD)):
             # As the keeper of journeys does in real time.
-            self.outlets.drivers.renew(self.client.session._driver, RENEW)
+            self.program.engine.commands.put(RENEW)
             self.program.engine.step()
             for goal in self.client.session._goals.values():
                 goal._thread.wait(PERIOD / 5)  # it follows the real time
