@@ -42,7 +42,7 @@ class FeatureError(BrickPoseError, RuntimeError):
     """A feature cannot be used; the message says why, and how to do without it."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Features:
     """The features of one start of the program."""
 

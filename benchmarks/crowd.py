@@ -1,4 +1,4 @@
-"""Benchmark of the engine's step while a crowd of slow clients is at the server, and without."""
+"""Benchmark of how late the control loop is beside crowds of slow clients, and without."""
 
 from __future__ import annotations
 
@@ -13,8 +13,7 @@ import numpy as np
 from app.settings.config import ROOT
 from benchmarks.crowd_clients import CROWDS
 from benchmarks.result import Result
-from benchmarks.served_simulation import percentile_ms, served_simulation
-from sim.real_time import RealTime
+from benchmarks.served_simulation import Ticks, served_simulation
 
 TURNS = 5
 SECONDS = 5.0
@@ -24,14 +23,14 @@ ALL = "all at once"
 
 
 def measure() -> Result:
-    """Measure the 99th percentile of the step time, with and without each crowd in turns.
+    """Measure the 99th percentile of a tick's delay, with and without each crowd in turns.
 
     The median of the turns counts, as other programs disturb some of them. The crowds run on this
     machine, too.
     """
-    with served_simulation() as (address, pace):
+    with served_simulation() as (address, ticks, _):
         kinds = {**{kind: (kind,) for kind in CROWDS}, ALL: tuple(CROWDS)}
-        times = {name: _measure_in_turns(address, crowds, pace) for name, crowds in kinds.items()}
+        times = {name: _measure_in_turns(address, crowds, ticks) for name, crowds in kinds.items()}
     more = {
         f"{name}, {case} [ms]": value
         for name, cases in times.items()
@@ -39,26 +38,27 @@ def measure() -> Result:
     }
     present, alone = times[ALL]
     return Result(
-        unit="ms p99 step with all crowds", brickpose=present, peer={"without": alone}, more=more
+        unit="ms p99 delay of a tick with all crowds",
+        brickpose=present,
+        peer={"without": alone},
+        more=more,
     )
 
 
-def _measure_in_turns(address: str, crowds: tuple[str, ...], pace: RealTime) -> tuple[float, float]:
+def _measure_in_turns(address: str, crowds: tuple[str, ...], ticks: Ticks) -> tuple[float, float]:
     """Return p99 with the crowds and without [ms]."""
     present: list[float] = []
     alone: list[float] = []
     for _ in range(TURNS):
-        alone.append(_settled_ms(pace))
+        alone.append(_settled_ms(ticks))
         with _crowds(address, crowds):
-            present.append(_settled_ms(pace))
+            present.append(_settled_ms(ticks))
     return float(np.median(present)), float(np.median(alone))
 
 
-def _settled_ms(pace: RealTime) -> float:
+def _settled_ms(ticks: Ticks) -> float:
     time.sleep(SETTLE_S)
-    pace.busy.clear()
-    time.sleep(SECONDS)
-    return percentile_ms(pace, 99)
+    return ticks.percentile_ms(99, SECONDS)
 
 
 @contextmanager

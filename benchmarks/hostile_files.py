@@ -1,4 +1,4 @@
-"""Benchmark of the engine's step while a hostile file is read, and without.
+"""Benchmark of how late the control loop is while a hostile file is read, and without.
 
 The files are read as the page has them read, in a process of its own: a drawing whose pattern holds
 Python's lock for ever, one of dense curves, a recording with such a drawing in it, and one file
@@ -31,7 +31,7 @@ from app.foreign_files import read_apart
 from app.messages.driving_commands import FigureEightCommand
 from app.settings.config import MAPS, Config
 from benchmarks.result import Result
-from benchmarks.served_simulation import percentile_ms, served_simulation
+from benchmarks.served_simulation import Ticks, served_simulation
 from robot.errors import BrickPoseError
 from robot.fields.field import Field
 from robot.fields.field_loading import load_field
@@ -68,14 +68,14 @@ def draw(path: Path) -> Field:
 
 
 def measure() -> Result:
-    """Measure the 99th percentile of the step time while each file is read, and without, in turns.
+    """Measure the 99th percentile of a tick's delay while each file is read, and without, in turns.
 
-    The step's time by the clock counts; the median of the turns, as other programs disturb some.
+    The median of the turns counts, as other programs disturb some.
     """
     with tempfile.TemporaryDirectory() as folder:
         files = _files(Path(folder))
-        with served_simulation() as (_, pace):
-            times = {name: _in_turns(read, pace) for name, read in files.items()}
+        with served_simulation() as (_, ticks, _):
+            times = {name: _in_turns(read, ticks) for name, read in files.items()}
     more = {
         f"{name}, {case} [ms]": value
         for name, cases in times.items()
@@ -83,7 +83,7 @@ def measure() -> Result:
     }
     worst = max(times.values(), key=lambda cases: cases[0] - cases[1])
     return Result(
-        unit="ms p99 step while the worst file is read",
+        unit="ms p99 delay of a tick while the worst file is read",
         brickpose=worst[0],
         peer={"without": worst[1]},
         more=more,
@@ -144,23 +144,17 @@ def _recorded(folder: Path, drawing: Path) -> Path:
     return made
 
 
-def _in_turns(read: Callable[[], object], pace: RealTime) -> tuple[float, float]:
+def _in_turns(read: Callable[[], object], ticks: Ticks) -> tuple[float, float]:
     """Return p99 while a file is read again and again, and without [ms]."""
     present: list[float] = []
     alone: list[float] = []
     for _ in range(TURNS):
         time.sleep(1.0)
-        alone.append(_measured(pace))
+        alone.append(ticks.percentile_ms(99, SECONDS))
         with _being_read(read):
             time.sleep(READING_S)
-            present.append(_measured(pace))
+            present.append(ticks.percentile_ms(99, SECONDS))
     return float(np.median(present)), float(np.median(alone))
-
-
-def _measured(pace: RealTime) -> float:
-    pace.busy.clear()
-    time.sleep(SECONDS)
-    return percentile_ms(pace, 99)
 
 
 @contextmanager

@@ -20,6 +20,9 @@ RESTING_PERIOD = 0.2
 """Time between two pictures of a camera that rests [s]: a robot that is moved meanwhile claims its
 place for half a second at most."""
 
+RESTING_TICK = 0.1
+"""Time between two readings of a robot that rests [s]: nobody who comes waits longer."""
+
 
 class RobotError(BrickPoseError, RuntimeError):
     """The robot cannot go on: unplugged, silent or broken."""
@@ -113,10 +116,11 @@ class PhysicalRobot(Protocol):
 
 @runtime_checkable
 class RestingRobot(Protocol):
-    """A robot whose pictures cost something to make, as those of a simulated camera do."""
+    """A robot whose readings cost something to make, as those of a simulated one do."""
 
     resting: bool
-    """While it is true, a picture every ``RESTING_PERIOD`` is enough."""
+    """While it is true, a picture every ``RESTING_PERIOD`` and a reading every ``RESTING_TICK`` are
+    enough."""
 
 
 @runtime_checkable

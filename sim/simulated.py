@@ -16,7 +16,7 @@ from robot.camera import FloorView
 from robot.description.spec import RobotSpec
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2, Twist2, interpolate
-from robot.interface import RESTING_PERIOD, Frame, Reading
+from robot.interface import RESTING_PERIOD, RESTING_TICK, Frame, Reading
 from robot.settings import check_settings, setting
 from sim.encoders import Encoders
 from sim.engines import CHOICES
@@ -39,8 +39,8 @@ class SimSettings:
 
     engine: str = setting(
         "auto",
-        "Which physics engine moves the robot; auto is bullet (pybullet) where it is installed, "
-        "elsewhere mujoco",
+        "Which physics engine moves the robot; auto is mujoco, or another one that is installed if "
+        "that cannot be loaded",
         choices=CHOICES,
     )
     camera: CameraSettings = CameraSettings()
@@ -176,7 +176,18 @@ class SimulatedRobot:
         return self._tick * PERIOD
 
     def read(self) -> Reading:
-        """Advance by one period and return what the sensors measure."""
+        """Advance by one period, or by ``RESTING_TICK``; return what the sensors measure then."""
+        frame = None
+        for _ in range(round(RESTING_TICK / PERIOD) if self.resting else 1):
+            self._advance()
+            frame = self._frame() or frame
+        turned = self._turned + self._world.positions
+        positions, velocities = self._encoders.read(turned, self.stamp)
+        self._wait(self.stamp)
+        return Reading(self.stamp, positions, velocities, frame, None, self._world.pose)
+
+    def _advance(self) -> None:
+        """Advance the world by one period."""
         step_time = self._world.step_time
         made = 0
         for step in range(1, self._steps + 1):
@@ -188,11 +199,6 @@ class SimulatedRobot:
                 made = step
                 self._remember(since_tick)
         self._tick += 1
-        frame = self._frame()
-        turned = self._turned + self._world.positions
-        positions, velocities = self._encoders.read(turned, self.stamp)
-        self._wait(self.stamp)
-        return Reading(self.stamp, positions, velocities, frame, None, self._world.pose)
 
     def write(self, velocities: Array) -> Array:
         """Command joint velocities (j,) [rad/s]; return them clipped to the joints' limits."""

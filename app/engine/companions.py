@@ -38,7 +38,7 @@ class Companion(Protocol):
     def add(self, reading: Reading, controls: Controls) -> None:
         """Look at a reading, after scanner and filter have used its picture.
 
-        While the camera rests, they use five pictures a second, and no others.
+        While the robot rests, there are five pictures a second, and ten readings of a simulation.
         """
         ...
 

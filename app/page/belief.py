@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import math
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 
@@ -109,6 +110,7 @@ def hand_message(state: HandState | None) -> HandMessage | None:
     )
 
 
+@lru_cache(maxsize=2)
 def packed(cloud: Cloud, extent: Extent, most: int = MOST_PARTICLES) -> str:
     """Pack at most this many particles of a cloud as ``ParticlesMessage.cloud`` describes."""
     step = max(1, math.ceil(len(cloud.weights) / most))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from functools import lru_cache
 
 from app.engine.drivers import DriveState
 from app.engine.plugging import plugged
@@ -48,6 +49,7 @@ class TelemetryWriter:
 
     def message(self, snapshot: Snapshot) -> TelemetryMessage:
         """Return the telemetry of one tick."""
+        faults = snapshot.faults
         return TelemetryMessage(
             stamp=snapshot.stamp,
             map=self._field.name,
@@ -67,7 +69,7 @@ class TelemetryWriter:
                 battery_v=snapshot.battery_v,
                 can_be_placed=self._robot.can_be_placed,
                 engine=self._robot.engine,
-                faults=changed_faults(snapshot.faults, self._sim) if snapshot.faults else {},
+                faults={} if faults in (None, self._sim) else changed_faults(faults, self._sim),
                 calibrated=snapshot.calibrated if math.isfinite(snapshot.calibrated) else None,
             ),
             loop=LoopMessage(**dataclasses.asdict(snapshot.loop)),
@@ -102,16 +104,18 @@ def _scan_message(snapshot: Snapshot) -> ScanMessage:
     return ScanMessage(
         stamp=line_scan.scan.stamp,
         bearings=_rounded(line_scan.scan.bearings, 5),
-        ranges=[None if math.isinf(r) else round(r, 5) for r in line_scan.scan.ranges.tolist()],
+        ranges=[None if r == math.inf else r for r in _rounded(line_scan.scan.ranges, 5)],
         robot_from_scan=PoseMessage(x=start.x, y=start.y, theta=start.theta),
         robot=pose_message(snapshot.scan_pose),
         tape_width=tape_width(line_scan),
     )
 
 
+@lru_cache(maxsize=2)
 def tape_width(line_scan: LineScan) -> float | None:
     """Return the tape's measured width [m]; None if no ray counted."""
-    return None if math.isnan(line_scan.tape_width) else line_scan.tape_width
+    width = line_scan.tape_width
+    return None if math.isnan(width) else width
 
 
 def driver_message(state: DriveState) -> DriverMessage:

@@ -30,7 +30,8 @@ class HypothesisParameters:
     )
     most_a_scan: float = setting(
         3.0,
-        "Most that one scan may tell for or against a place, as log-likelihood",
+        "Most that one scan may tell for or against a place, as log-likelihood; half more for "
+        "elsewhere",
         low=0.1,
         high=50,
     )

@@ -82,7 +82,8 @@ def beam_range_finder_model(
     """Table 6.1, beam model: the log-likelihood (n,) of a scan at poses (n, 3).
 
     Two things differ from the book. The densities are not normalized over 0 to z_max, as in nav2.
-    A ray without a return has the range ``inf``; where no edge is due, that is certain.
+    A ray without a return has the range ``inf``; where no edge is due, that is certain. It runs as
+    ``models/beam.py``.
 
     Args:
         poses: (n, 3) [m, m, rad] in the map; rays start at the robot's origin.
@@ -116,7 +117,8 @@ def likelihood_field_range_finder_model(
 ) -> Array:
     """Table 6.3, likelihood field: log-likelihood (n,) of a scan at poses (n, 3), up to a constant.
 
-    With ``sigma_slope`` 0 and a distance that ignores headings, it is the book's to the letter.
+    With ``sigma_slope`` 0 and a distance that ignores headings it is the book's, but that the
+    Gaussian is not normalized, as in nav2. It runs as ``models/likelihood_field.py``, from tables.
 
     Args:
         poses: (n, 3) [m, m, rad] in the map; rays start at the robot's origin.

@@ -7,7 +7,7 @@ import pytest
 from robot.errors import PackageError
 from sim.engines import choose_engine
 
-ENGINES = ("bullet", "mujoco")
+ENGINES = ("mujoco", "bullet")
 """Ours, by name, in the order in which ``auto`` tries them."""
 
 

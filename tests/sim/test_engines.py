@@ -65,18 +65,20 @@ def test_without_any_engine_it_says_which_to_install(monkeypatch: pytest.MonkeyP
 
 
 @pytest.mark.usefixtures("without")
-def test_auto_is_pybullet_where_it_is_installed_and_elsewhere_mujoco(
+def test_auto_is_mujoco_and_where_that_cannot_be_loaded_what_else_is_installed(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     require_engine("mujoco")
-    monkeypatch.setitem(sys.modules, "pybullet", None)
     assert choose_engine() == "mujoco"
     assert engine_version("auto").startswith("mujoco ")
+    require_engine("bullet")
+    load_mujoco.cache_clear()
+    monkeypatch.setitem(sys.modules, "mujoco", None)
+    assert choose_engine() == "bullet"
 
 
 def test_loading_pybullet_prints_nothing_and_keeps_what_others_say() -> None:
     require_engine("bullet")
-    assert choose_engine() == "bullet"
     program = (
         "import os, sys; from sim.bullet import load_pybullet; load_pybullet();"
         "print('out'); print('err', file=sys.stderr)"

@@ -20,8 +20,8 @@ SMALLEST = 256
 """An array of fewer bytes is sent again: a number would save nothing."""
 
 Number = int
-New = tuple[int, bytes]
-"""A part that the other end does not have: its number, and what it is."""
+Told = tuple[Number] | tuple[Number, bytes]
+"""The number of a part, and what it is, if the other end does not have it."""
 
 
 @dataclass(slots=True, eq=False)
@@ -85,7 +85,7 @@ class PartsWriter:
         self._numbers = {id(part.value): number for number, part in self._table.parts.items()}
         return written
 
-    def part(self, value: object, around: set[Number]) -> Number | New | None:
+    def part(self, value: object, around: set[Number]) -> Told | None:
         """Return what stands for an object: nothing, unless it is a part."""
         if type(value) is np.ndarray:
             if value.nbytes < SMALLEST:
@@ -95,7 +95,7 @@ class PartsWriter:
         known = self._numbers.get(id(value))
         if known is not None:
             around.add(known)
-            return known
+            return (known,)
         number = self._next
         self._next += 1
         inside: set[Number] = set()
@@ -127,14 +127,22 @@ class _Pickler(pickle.Pickler):
         return file.getvalue()
 
     def reducer_override(self, obj: Any) -> Any:
-        """Have an object say itself how it is made at the other end, if it does."""
+        """Return how the other end gets an object: as a part, as it says itself, or as usual.
+
+        ``persistent_id`` would do for parts; but it is asked of each number and each word as well.
+        """
+        if obj is not self._whole:
+            part = self._writer.part(obj, self._around)
+            if part is not None:
+                return _part, part
         elsewhere = getattr(type(obj), "elsewhere", None)
         made = None if elsewhere is None else elsewhere(obj)
         return NotImplemented if made is None else made
 
-    def persistent_id(self, obj: object) -> Number | New | None:
-        """Return what stands for an object; None: it is pickled as usual."""
-        return None if obj is self._whole else self._writer.part(obj, self._around)
+
+def _part(number: Number, content: bytes | None = None) -> Any:
+    """Stand for ``_Unpickler.part``, which alone has the parts."""
+    raise pickle.UnpicklingError("a part is read by PartsReader only")
 
 
 class PartsReader:
@@ -160,16 +168,20 @@ class _Unpickler(pickle.Unpickler):
     def unpickled(cls, table: _Table, written: bytes, around: set[Number]) -> Any:
         return cls(io.BytesIO(written), table, around).load()
 
-    def persistent_load(self, pid: Number | New) -> Any:
-        """Return the part that a number stands for."""
-        if isinstance(pid, int):
-            self._around.add(pid)
-            return self._table.parts[pid].value
-        number, content = pid
+    def find_class(self, module: str, name: str) -> Any:
+        """Return a class or a function by its name; for ``_part`` what has the parts."""
+        if (module, name) == (_part.__module__, _part.__name__):
+            return self.part
+        return super().find_class(module, name)
+
+    def part(self, number: Number, content: bytes | None = None) -> Any:
+        """Return the part that a number stands for, after reading it if it is new."""
+        self._around.add(number)
+        if content is None:
+            return self._table.parts[number].value
         inside: set[Number] = set()
         value = self.unpickled(self._table, content, inside)
         if isinstance(value, np.ndarray):
             value.setflags(write=False)
         self._table.parts[number] = _Part(value, inside)
-        self._around.add(number)
         return value

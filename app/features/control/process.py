@@ -105,6 +105,7 @@ class _ControlProcess:
         self._orders: SimpleQueue[Go | Follow | None] = SimpleQueue()
         """What the main thread waits for between two loops; None: the server has gone."""
         self._watched = Watched(present=False, every=False)
+        self._sender: TickSender | None = None
         self._program: LocalProgram | None = None
         self._main = threading.get_ident()
         with suppress(ValueError):  # not in the main thread, as in a test
@@ -144,6 +145,7 @@ class _ControlProcess:
             program.robot.close()
             return None
         sender = TickSender(engine, self._main, lambda: self._watched, self._send)
+        self._sender = sender
         if self._gone.is_set():
             self._stop.set()
         engine.run(self._stop)
@@ -180,6 +182,8 @@ class _ControlProcess:
             self._orders.put(order)
         elif isinstance(order, Watched):
             self._watched = order
+            if self._sender is not None:
+                self._sender.look()
         elif isinstance(order, Stop):
             if program is not None:
                 program.engine.handed_over = order.hand_over

@@ -42,8 +42,10 @@ from robot.interface import Reading, RobotError
 from robot.localization.estimate import Hypothesis
 
 LOOK_S = 0.05
-"""Interval of looking whether the loop shall stop, or who watches now [s]."""
-PATIENCE_S = 2.5
+"""Interval of looking who watches now [s]."""
+STOP_LOOK_S = 0.1
+"""Interval of looking whether the loop shall stop, while the robot rests [s]."""
+PATIENCE_S = 2.4
 """A process that was asked to end, or to stop its robot, is killed after this time [s]."""
 
 
@@ -143,7 +145,7 @@ class RemoteControl(ControlLoop):
                 asked = time.monotonic()
                 self._process.send(Stop(self.handed_over))
             try:
-                message = self._process.read(LOOK_S)
+                message = self._process.read(STOP_LOOK_S)
             except (OSError, EOFError):
                 ending = self._process.end()
                 self._fail(

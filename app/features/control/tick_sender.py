@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import math
 import threading
-import time
 from collections.abc import Callable
 from contextlib import ExitStack
 
@@ -14,10 +12,10 @@ from app.engine.mailboxes.latest import Latest
 from app.engine.snapshot import Snapshot
 from app.features.control.messages import Hangs, SentTick, Watched
 
-UNWATCHED_S = 0.2
-"""Interval of snapshots while nobody looks [s]: for whoever comes next, and for health."""
-HANGS_S = 0.5
-"""Without a tick for this time [s], the server is told where the loop hangs."""
+UNWATCHED_S = 0.5
+"""Interval of snapshots while nobody looks [s]: for whoever comes next, and for health.
+
+Without a tick for this time the server is told where the loop hangs."""
 MOST_WAITING = 500
 """Snapshots that wait to be sent to whoever needs each one: ten seconds of them."""
 
@@ -44,39 +42,44 @@ class TickSender:
         self._loop = loop
         self._watched = watched
         self._send = send
-        self._published = threading.Event()
+        self._woken = threading.Event()
         self._done = threading.Event()
         self._each: Backlog[Snapshot] | None = None
-        engine.latest = _AnnouncedLatest(self._published)
+        engine.latest = _AnnouncedLatest(self._announce)
         self._thread = threading.Thread(target=self._work, name="ticks", daemon=True)
         self._thread.start()
 
     def finish(self, patience: float) -> None:
         """Send the last snapshot, and end; wait for that no longer than ``patience`` [s]."""
         self._done.set()
-        self._published.set()
+        self._woken.set()
         self._thread.join(patience)
 
+    def look(self) -> None:
+        """Look at once who watches now."""
+        self._woken.set()
+
+    def _announce(self) -> None:
+        """Have the newest snapshot sent, if somebody waits for it; called by the loop."""
+        watched = self._watched()
+        if watched.present or watched.every:
+            self._woken.set()
+
     def _work(self) -> None:
-        count, sent, hangs = 0, -math.inf, False
+        count, hangs = 0, False
         with ExitStack() as subscription:
             over = False
             while not over:
-                came = self._published.wait(HANGS_S)
-                self._published.clear()
+                woken = self._woken.wait(UNWATCHED_S)
+                self._woken.clear()
                 over = self._done.is_set()
-                if came:
+                self._subscribe(self._watched(), subscription)
+                before, count = count, self._send_new(count)
+                if count > before:
                     hangs = False
-                elif not hangs:
+                elif not (woken or hangs):
                     hangs = True
                     self._send(Hangs(tuple(self._engine.where_it_hangs(self._loop))))
-                watched = self._watched()
-                self._subscribe(watched, subscription)
-                clock = time.monotonic()
-                wanted = watched.every or watched.present or over
-                if wanted or clock - sent >= UNWATCHED_S:
-                    count = self._send_new(count)
-                    sent = clock
 
     def _subscribe(self, watched: Watched, subscription: ExitStack) -> None:
         """Have the engine know who looks: its camera rests while nobody does."""
@@ -104,13 +107,13 @@ class TickSender:
 
 
 class _AnnouncedLatest(Latest[Snapshot]):
-    """A mailbox that also sets an event, for a thread."""
+    """A mailbox that also tells a thread."""
 
-    def __init__(self, published: threading.Event) -> None:
+    def __init__(self, announce: Callable[[], None]) -> None:
         super().__init__()
-        self._published = published
+        self._announce = announce
 
     def put(self, value: Snapshot) -> None:
-        """Replace the value, wake coroutines, and set the event."""
+        """Replace the value, wake coroutines, and tell it."""
         super().put(value)
-        self._published.set()
+        self._announce()

@@ -1,4 +1,4 @@
-"""A robot that stands, and that nobody looks at, uses five pictures a second; else all of them."""
+"""A robot that stands, and that nobody looks at, costs less, and is there when somebody looks."""
 
 from __future__ import annotations
 
@@ -19,9 +19,10 @@ from app.settings.config import MAPS, Config
 from robot.description.spec import RobotSpec
 from robot.fields.field_loading import load_field
 from robot.geometry import Pose2
-from robot.interface import RESTING_PERIOD, Reading
+from robot.interface import RESTING_PERIOD, RESTING_TICK, Reading
 from robot.localization.estimate import State
 from robot.scan import Scan
+from sim.simulated import PERIOD
 
 USUAL_HZ = 25
 """Pictures a second of a camera that does not rest, at least."""
@@ -45,7 +46,10 @@ def program() -> Iterator[Program]:
 
 
 def seconds(program: Program, duration: float) -> list[Snapshot]:
-    return [program.engine.step() for _ in range(round(50 * duration))]
+    shown = [program.engine.step()]
+    while shown[-1].stamp < shown[0].stamp + duration - 1e-9:
+        shown.append(program.engine.step())
+    return shown[1:]
 
 
 def pictures(snapshots: list[Snapshot]) -> int:
@@ -82,6 +86,14 @@ def test_the_camera_of_a_robot_that_nobody_looks_at_rests_and_all_else_goes_on(r
     assert not [shown for shown in snapshots if shown.problems.present]
     assert snapshots[-1].loop.frame_hz > USUAL_HZ
     assert before.pose.distance_to(snapshots[-1].pose) < 0.001
+
+
+def test_a_simulation_that_rests_reads_ten_times_a_second(resting) -> None:
+    stamps = [shown.stamp for shown in seconds(resting, 2)]
+    assert np.diff(stamps) == pytest.approx(RESTING_TICK)
+    with resting.engine.audience.joined():
+        woken = [shown.stamp for shown in seconds(resting, 2)][1:]
+    assert np.diff(woken) == pytest.approx(PERIOD)
 
 
 def test_who_made_the_engine_and_steps_it_sees_all_pictures(program) -> None:
