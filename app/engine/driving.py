@@ -5,13 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 from robot.driving.differential_drive import DifferentialDrive
 from robot.driving.drive_controller import DriveController, lapsed
 from robot.driving.figure_eight import FigureEight
 from robot.driving.odometry import OdometryState
-from robot.driving.route import Route
 from robot.geometry import Pose2, Twist2
 
 GAP_S = 3.0
@@ -21,6 +20,17 @@ again wherever a busy computer left the robot."""
 
 Mode = str
 """``idle``, ``drive``, ``figure_eight``, ``explore``, or the name of a feature's programme."""
+
+
+class Way(Protocol):
+    """A way by odometry, as ``robot.driving.route.Route``."""
+
+    goal: Pose2
+    """In the frame ``odom``."""
+
+    def twist(self, pose: Pose2) -> Twist2 | None:
+        """Return the velocity at a pose of odometry; None at the end."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -41,7 +51,7 @@ class Driving:
         self, controller: DriveController, timeout: float, eight: FigureEight | None = None
     ) -> None:
         self.mode: Mode = "idle"
-        self.route: Route | None = None
+        self.route: Way | None = None
         """The route that explores; None stands."""
         self._controller = controller
         self._timeout = timeout
