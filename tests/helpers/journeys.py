@@ -34,6 +34,8 @@ class JourneyBench:
         self.outlets = Outlets(self.program)
         self.program.engine.commands.put(KNOWN)
         self.now = run(self.program, 0.4)[-1]
+        # Who drives goes by the robot's clock: ticks are not in step with the wall's.
+        self.outlets.drivers._clock = lambda: self.now.stamp
 
     @property
     def status(self) -> NavigationStatus | None:
@@ -49,7 +51,7 @@ class JourneyBench:
         shown = []
         for _ in range(round(seconds / PERIOD)):
             if renew:
-                self.program.engine.commands.put(RENEW)
+                self.outlets.drivers.renew(PAGE, RENEW)
             self.now = self.program.engine.step()
             shown.append(self.now)
             if self.status is not None and not self.status.active:

@@ -37,6 +37,8 @@ class Floor:
         self.bridge.inbox._put = self.outlets.carry_out
         self.program.engine.commands.put(KNOWN)
         run(self.program, 0.4)
+        # Who drives goes by the robot's clock: ticks are not in step with the wall's.
+        self.outlets.drivers._clock = lambda: self.program.engine.latest.get().stamp
         self.client = Client(self.bridge)
 
     def send(self, number: str, *goals: dict, action=NAME) -> list[dict]:
@@ -51,7 +53,7 @@ class Floor:
         told: list[dict] = []
         for _ in range(round(seconds / PERIOD)):
             # As the keeper of journeys does in real time.
-            self.program.engine.commands.put(RENEW)
+            self.outlets.drivers.renew(self.client.session._driver, RENEW)
             self.program.engine.step()
             for goal in self.client.session._goals.values():
                 goal._thread.wait(PERIOD / 5)  # it follows the real time
