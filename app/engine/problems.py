@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 KEPT = 100
+"""Problems of the record; older ones are in the log only."""
 LOG = logging.getLogger("brickpose")
 CLIENTS_LOG = logging.getLogger("brickpose.clients")
 """Mistakes of clients: only a few lines of each kind a minute are logged."""

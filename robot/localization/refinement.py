@@ -31,7 +31,8 @@ WIDEST = 5.0
 between two places."""
 DRAWN = 4.0
 """Factor on the covariance of a cloud. Where scans say nothing, as along a single edge, clouds grow
-too narrow: by chance in resampling, and because the errors of scans are correlated."""
+too narrow: by chance in resampling, and because the errors of scans are correlated. Half and twice:
+nothing changes beyond chance (``--few``)."""
 MEAN_ERROR = np.diag(np.square([1e-3, 1e-3, 3e-3]))
 """Error of the filter's mean that its covariance does not include [m², m², rad²]."""
 INEXACT = np.diag(np.square([1e-4, 1e-4, 3e-4]))

@@ -40,7 +40,9 @@ from robot.scan import Scan, rays_of
 BEAMS = 60
 """Rays of a scan by which hypotheses are weighed."""
 CONFIRMING = 0.5
-"""A search that confirms a known place needs only this share of the returns of other searches."""
+"""A search that confirms a known place needs only this share of the returns of other searches.
+Half: no claim changes; twice: certain in 41.6 % instead of 40.7, and misleading as often
+(``--few``)."""
 LEAST_SHARE = 0.2
 """A track keeps at least this share of its particles, however many tracks there are."""
 BORN_SHARE = 0.05

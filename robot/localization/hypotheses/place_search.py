@@ -30,7 +30,8 @@ REPLAYED_SCANS, REPLAYED_BEAMS = 8, 30
 PEAKS = 90
 """Poses of the grid that are laid on the edges."""
 WORSE = 1.5
-"""A place is dropped if its log-likelihood per ray is this much below the best one's."""
+"""A place is dropped if its log-likelihood per ray is this much below the best one's. Half and
+twice: nothing changes beyond chance (``python -m benchmarks.constants --few``)."""
 SEARCHED_PER_PIECE = 100_000
 """Poses that are searched for the cheapest ones in one piece of work: about 1 ms."""
 POSES_PER_PIECE, FITS_PER_PIECE, REPLAYS_PER_PIECE = 20_000, 45, 12

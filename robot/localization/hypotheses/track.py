@@ -27,7 +27,7 @@ FAR, STUCK = 3.0, 3
 """If STUCK successive scans fit farther off than FAR (squared Mahalanobis distance), the filter is
 overconfident, and would stay where it is until it is lost. So it is restarted where they fit, if
 they fit better there. Scans beyond FARTHEST count too: without them, two of 12 robots with askew
-cameras get lost."""
+cameras get lost. Half and twice of FAR: nothing changes beyond chance (``--few``)."""
 NARROW = 0.012
 """In a cloud narrower than this [m], each ray can only be of the nearest edge."""
 SHARP = 0.008
@@ -42,7 +42,8 @@ come from where a fit ends, and they would add up."""
 ONE_THING, FORGIVEN = 6.0, 0.1
 """Most log-weight that a confirmed place loses by one thing on the floor, and how much of that is
 given back with each scan. A shoe that looks like the tape of another place is seen in a dozen
-scans, but only once: it must not outweigh all that was seen before it."""
+scans, but only once: it must not outweigh all that was seen before it. Half and twice of ONE_THING:
+no claim changes (``--few``)."""
 
 STRAY = 0.05
 """Clusters below this share of a track's heaviest cluster are not separate places."""

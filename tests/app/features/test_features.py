@@ -40,6 +40,7 @@ NAMES = [
     "control",
     "course",
     "grid_filter",
+    "interface",
     "lab",
     "mapping",
     "navigation",
