@@ -2,6 +2,7 @@
 
 export type Command =
   | CalibrateCommand
+  | CancelCommand
   | CloseRecordingCommand
   | DeleteStrokeCommand
   | DiscardMapCommand
@@ -15,6 +16,7 @@ export type Command =
   | FinishMapCommand
   | JoinStrokesCommand
   | MoveEndCommand
+  | NavigateCommand
   | OpenRecordingCommand
   | PauseCommand
   | PauseMapCommand
@@ -116,6 +118,15 @@ export interface CalibrationMessage {
   position: number | null;
   /** Motions that would determine what is not known yet. */
   advice: string[];
+}
+
+/** End the journey to a goal: the robot stands where it is. */
+export interface CancelCommand {
+  /** Repeated in the answer. */
+  id?: number | string | null;
+  type: "cancel";
+  /** Only a journey that began before this time on the robot's clock [s]; null is any. */
+  before?: number | null;
 }
 
 /** What is to change of a recording; what is left out stays. */
@@ -337,6 +348,14 @@ export interface FinishMapCommand {
 export interface FloorGridMessage {
   lines: GridLineMessage[];
   labels: GridLabelMessage[];
+}
+
+/** A goal in the map. */
+export interface GoalMessage {
+  x: number;
+  y: number;
+  /** The heading there; null is any. */
+  theta?: number | null;
 }
 
 /** A distance ahead of the robot's axle, on the line straight ahead. */
@@ -671,6 +690,48 @@ export interface MoveEndCommand {
   y: number;
   /** Version of that drawing. */
   version: number;
+}
+
+/**
+ * Drive to goals, one after the other. It holds until the robot is there, as long as its sender is
+ * connected and nobody else drives.
+ */
+export interface NavigateCommand {
+  /** Repeated in the answer. */
+  id?: number | string | null;
+  type: "navigate";
+  /** Where to; null only renews the journey that there is. */
+  poses?: GoalMessage[] | null;
+  /** Whether to begin again after the last goal. */
+  repeat?: boolean;
+  /** Whether the sender renews it itself, as ``drive``; the robot stands when that ends. */
+  renewed?: boolean;
+}
+
+/** The journey to a goal, or the last one. */
+export interface NavigationMessage {
+  state: "planning" | "driving" | "waiting" | "arrived" | "canceled" | "failed";
+  /** The way to the next goal that is left [m]. */
+  remaining_m: number;
+  /** How long it takes [s]. */
+  remaining_s: number;
+  /** Why the robot waits, was stopped or has failed; null when all is well. */
+  reason: string | null;
+  /** Of the goal that it drives to, from 0. */
+  number: number;
+  /** Where the robot shall be next. */
+  target: PoseMessage | null;
+  /** When the way was planned [s]; ``/api/navigation`` has it. */
+  planned: number;
+}
+
+/** The way of a journey. */
+export interface NavigationPathMessage {
+  /** As in telemetry. */
+  planned: number;
+  goals: GoalMessage[];
+  /** x, y [m] along the way to the next goal; empty before it is planned. */
+  path: [number, number][];
 }
 
 /** Replay a recording in place of the robot, whose motors stop. */
@@ -1157,6 +1218,8 @@ export interface TelemetryMessage {
   calibration?: CalibrationDriveMessage | null;
   /** Null while no map is drawn. */
   mapping?: MappingMessage | null;
+  /** Null before the first goal. */
+  navigation?: NavigationMessage | null;
   /** Null if this is not a replay. */
   replay?: ReplayMessage | null;
   /** Further values, by name; absent without any. */

@@ -63,6 +63,10 @@ class Arbiter(Protocol):
         """Pass a client's command on; a CommandError says why it may not drive."""
         ...
 
+    def renew(self, driver: Driver, command: CommandMessage) -> bool:
+        """Pass on what continues a client's drive; False if it no longer drives."""
+        ...
+
     def require_free(self, driver: Driver) -> None:
         """Raise a CommandError if another client drives."""
         ...

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -19,7 +20,6 @@ from app.messages.message import Layer
 from robot.description.profile import Profile
 from robot.description.spec import RobotSpec
 from robot.driving.odometry import Odometry, OdometryState
-from robot.driving.route import Route
 from robot.geometry import Pose2
 from robot.interface import Frame, RepositionableRobot, Robot
 from robot.localization.parameters import LocalizationParameters
@@ -40,8 +40,8 @@ class EngineState:
     odom_from_scan: Pose2 | None = None
     picture_stamp: float | None = None
     """Stamp of the last picture [s]; the picture is not stored, as the next one replaces it."""
-    route: Route | None = None
-    """The route that explores."""
+    driving: tuple[Any, ...] | None = None
+    """Of ``Driving``."""
 
 
 class Controls:
@@ -101,7 +101,7 @@ class Controls:
             self.map_from_odom,
             self.odom_from_scan,
             stamp,
-            self.driving.route,
+            self.driving.state,
         )
 
     def restore(self, state: EngineState) -> None:
@@ -109,7 +109,8 @@ class Controls:
         self.spec = state.spec
         self.calibrated = state.calibrated
         self.driving.kinematics = state.odometry.drive
-        self.driving.route = state.route
+        if state.driving is not None:
+            self.driving.restore(state.driving)
         self.odometry = state.odometry
         self.follower = state.localization
         self.map_from_odom = state.map_from_odom

@@ -119,6 +119,15 @@ class Drivers:
                 self._drive(driver)
             self._commands.put(command)
 
+    def renew(self, driver: Driver, command: Command) -> bool:
+        """Pass on a command that continues what a client does; False if it no longer drives."""
+        with self._lock:
+            drives = self._current() is driver
+            if drives:
+                self._gestures[driver].last = self._clock()
+                self._commands.put(command)
+            return drives
+
     def require_free(self, driver: Driver) -> None:
         """Refuse a command that would interrupt another client that drives.
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any, Protocol
 
 from robot.driving.differential_drive import DifferentialDrive
 from robot.driving.drive_controller import DriveController, lapsed
 from robot.driving.figure_eight import FigureEight
 from robot.driving.odometry import OdometryState
-from robot.driving.route import Route
 from robot.geometry import Pose2, Twist2
 
 GAP_S = 3.0
@@ -20,6 +20,17 @@ again wherever a busy computer left the robot."""
 
 Mode = str
 """``idle``, ``drive``, ``figure_eight``, ``explore``, or the name of a feature's programme."""
+
+
+class Way(Protocol):
+    """A way by odometry, as ``robot.driving.route.Route``."""
+
+    goal: Pose2
+    """In the frame ``odom``."""
+
+    def twist(self, pose: Pose2) -> Twist2 | None:
+        """Return the velocity at a pose of odometry; None at the end."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -40,7 +51,7 @@ class Driving:
         self, controller: DriveController, timeout: float, eight: FigureEight | None = None
     ) -> None:
         self.mode: Mode = "idle"
-        self.route: Route | None = None
+        self.route: Way | None = None
         """The route that explores; None stands."""
         self._controller = controller
         self._timeout = timeout
@@ -66,6 +77,16 @@ class Driving:
     def kinematics(self, kinematics: DifferentialDrive) -> None:
         self._controller.kinematics = kinematics
 
+    @property
+    def state(self) -> tuple[Any, ...]:
+        """What the next ticks depend on, for ``restore``; who drives by hand is not in it."""
+        return self.route, self.mode, self.programme, self._began, self._renewed, self._updated
+
+    def restore(self, state: tuple[Any, ...]) -> None:
+        """Continue from another state."""
+        self.route, self.mode, self._programme, *times = state
+        self._began, self._renewed, self._updated = times
+
     def drive(self, twist: Twist2, stamp: float) -> None:
         """Drive with the twist that a person commands."""
         self.mode = "drive"
@@ -84,10 +105,16 @@ class Driving:
         self._renewed = stamp
 
     def perform(self, programme: Programme, stamp: float, *, start: bool) -> None:
-        """Start or renew a programme."""
-        if start and self.mode != programme.mode:
+        """Start or renew a programme; another one of the same mode takes its place."""
+        if start and self.programme is not programme:
             self._begin(programme, stamp)
         self._renewed = stamp
+
+    @property
+    def programme(self) -> Programme | None:
+        """What the robot drives by itself now; None if it does not."""
+        programme = self._programme
+        return programme if programme and programme.mode == self.mode else None
 
     def _begin(self, programme: Programme, stamp: float) -> None:
         self.mode = programme.mode
@@ -113,8 +140,7 @@ class Driving:
     def update(self, odometry: OdometryState) -> Twist2:
         """Return the twist to apply at a pose in the odom frame."""
         stamp = odometry.stamp
-        programme = self._programme
-        if programme is not None and self.mode == programme.mode:
+        if programme := self.programme:
             self._follow_programme(programme, stamp, not self._lapsed(stamp))
         elif self.mode == "explore":
             self._follow_route(odometry)

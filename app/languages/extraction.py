@@ -17,13 +17,15 @@ Text = str | tuple[str, str]
 TELLING = (
     "app/features/course/sandbox/student_process.py", "app/engine", "app/messages/commands.py",
     "app/messages/message.py", "app/page",
-    "app/features/calibration", "app/features/mapping", "app/features/own_models",
+    "app/features/calibration", "app/features/mapping", "app/features/navigation",
+    "app/features/own_models",
     "app/features/recordings", "app/features/weighing",
     "app/files.py", "app/settings/conditions.py", "app/settings/faults.py",
     "app/settings/field_names.py", "robot/calibration", "robot/description/profile.py",
     "robot/description/unknowns.py", "robot/description/lens_table.py", "robot/cameras",
     "robot/fields", "robot/hat", "robot/interface.py", "robot/localization", "robot/mapping",
-    "robot/settings.py", "robot/toml_file.py", "sim/floor_camera.py", "sim/imperfections.py",
+    "robot/navigation/planning.py", "robot/settings.py", "robot/toml_file.py",
+    "sim/floor_camera.py", "sim/imperfections.py",
 )  # fmt: skip
 """Where errors and settings come from that the page shows: what they say are texts."""
 SPEAKING = (
@@ -46,7 +48,8 @@ SPEAKING = (
     "robot/calibration/model_check.py", "robot/calibration/tracker.py",
     "robot/hat/start/troubles.py", "robot/hat/start/upload.py",
     "robot/localization/estimate.py", "robot/localization/monitoring/causes.py",
-    "robot/mapping/pushed.py", "robot/mapping/tape_map.py", "robot/settings.py",
+    "robot/mapping/pushed.py", "robot/mapping/tape_map.py",
+    "robot/navigation/navigator.py", "robot/settings.py",
 )  # fmt: skip
 """Modules and folders in which every sentence is a text, but their documentation."""
 LESSONS = "app/features/course/lessons"

@@ -220,6 +220,24 @@ class MappingMessage(Message):
     """What is wrong or missing, or why it failed; null when all is well."""
 
 
+class NavigationMessage(Message):
+    """The journey to a goal, or the last one."""
+
+    state: Literal["planning", "driving", "waiting", "arrived", "canceled", "failed"]
+    remaining_m: float
+    """The way to the next goal that is left [m]."""
+    remaining_s: float
+    """How long it takes [s]."""
+    reason: str | None
+    """Why the robot waits, was stopped or has failed; null when all is well."""
+    number: int
+    """Of the goal that it drives to, from 0."""
+    target: PoseMessage | None
+    """Where the robot shall be next."""
+    planned: float
+    """When the way was planned [s]; ``/api/navigation`` has it."""
+
+
 class DriverMessage(Message):
     """Who drives."""
 
@@ -263,6 +281,8 @@ class TelemetryMessage(Message):
     """Null before the first drive of a calibration."""
     mapping: MappingMessage | None = None
     """Null while no map is drawn."""
+    navigation: NavigationMessage | None = None
+    """Null before the first goal."""
     replay: ReplayMessage | None = None
     """Null if this is not a replay."""
     values: Annotated[

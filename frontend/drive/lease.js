@@ -1,7 +1,7 @@
 // @ts-check
 /** @typedef {import("../messages").Command} Command */
 /** @typedef {{forward: number, turn: number}} Stick each from -1 to 1; turning left is positive */
-/** @typedef {"figure_eight" | "calibrate" | "explore"} Programme what the robot drives by itself */
+/** @typedef {"figure_eight" | "calibrate" | "explore" | "navigate"} Programme what the robot drives by itself */
 
 /** Interval between renewals of a drive command [ms]: four fit into the shortest time-out. */
 const RENEW_MS = 50;

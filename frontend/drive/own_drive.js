@@ -15,7 +15,7 @@ export class OwnDrive {
   /**
    * @param {Drive} drive
    * @param {(command: Command) => Promise<boolean>} order
-   * @param {"calibrate" | "explore" | "figure_eight"} programme
+   * @param {"calibrate" | "explore" | "figure_eight" | "navigate"} programme
    */
   constructor(drive, order, programme) {
     this.drive = drive;
@@ -28,10 +28,11 @@ export class OwnDrive {
     return this.drive.programme === this.programme;
   }
 
-  async begin() {
+  /** @param {Partial<Command>} start what starts it, besides its name */
+  async begin(start = { start: true }) {
     // These two are answered: the renewals that follow are not.
     if (!(await this.order({ type: "take" }))) return;
-    if (!(await this.order({ ...this.drive.programmed(this.programme), start: true }))) return;
+    if (!(await this.order({ ...this.drive.programmed(this.programme), ...start }))) return;
     this.#started = performance.now();
     this.#seen = false;
     this.drive.setProgramme(this.programme);

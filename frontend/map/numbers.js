@@ -5,7 +5,10 @@ import { degrees, millimetres } from "../page/format.js";
 
 /** @typedef {import("../messages").FieldMessage} FieldMessage */
 /** @typedef {import("../messages").PoseMessage} PoseMessage */
-/** @typedef {"set_pose" | "place"} Act */
+/** @typedef {"set_pose" | "place" | "goal"} Act */
+
+/** What buttons of the form do, besides telling the filter. @type {Record<string, Act>} */
+const ACTS = { "numbers-place": "place", "numbers-goal": "goal" };
 
 /** A form for a pose in exact numbers, and for the spread of poses that are sent to the filter. */
 export class NumbersForm {
@@ -23,7 +26,7 @@ export class NumbersForm {
     const form = find("numbers", HTMLFormElement);
     form.addEventListener("submit", (event) => {
       event.preventDefault();
-      act(event.submitter?.id === "numbers-place" ? "place" : "set_pose", this.pose);
+      act(ACTS[event.submitter?.id ?? ""] ?? "set_pose", this.pose);
     });
     for (const slider of [this.#spread, this.#turn]) {
       slider.addEventListener("input", () => {

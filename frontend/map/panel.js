@@ -31,6 +31,7 @@ const HINTS = {
   look: "",
   set_pose: t("Press where the robot is, drag in the direction it faces."),
   place: t("Press where to put the robot, drag in the direction it faces."),
+  goal: t("Press where the robot shall go, drag in the direction it shall face there."),
   ask: t("Press a particle: it says how the scan fits it."),
   measure: t("Drag from one point to another, or press at both; by keys: arrows and Enter."),
 };
@@ -62,13 +63,15 @@ export class MapPanel {
    * @param {DrawLoop} loop
    * @param {(command: Command) => Promise<boolean>} order sends; tells whether it was accepted
    * @param {() => void} goHome
+   * @param {import("../features/navigation/journey.js").Journey} journey
    */
-  constructor(loop, order, goHome) {
+  constructor(loop, order, goHome, journey) {
     this.surface = new Surface(find("map-canvas", HTMLCanvasElement), () => this.#resized());
     this.scene = new Scene(this.surface, this.#view);
+    this.scene.journey = journey;
     const visible = () => this.surface.visible;
     this.refresh = loop.add(() => this.#paint(), { visible, hertz: HERTZ });
-    this.telling = new Telling(order);
+    this.telling = new Telling(order, (pose) => journey.go(pose));
     this.numbers = new NumbersForm((act, pose) => this.#tell(act, pose), this.refresh);
     this.tool = new PoseTool(
       () => this.scene.telemetry?.estimate?.theta ?? 0,

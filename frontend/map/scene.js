@@ -6,6 +6,7 @@ import { Floor } from "./floor.js";
 import { drawHypotheses } from "./hypotheses.js";
 import { Paths } from "./paths.js";
 import { places } from "./places.js";
+import { drawJourney } from "../features/navigation/drawing.js";
 import { drawEnds, drawMapping } from "../features/mapping/drawing.js";
 
 /** @typedef {import("../messages").FieldMessage} FieldMessage */
@@ -37,6 +38,8 @@ export class Scene {
   measure = null;
   /** Draws what particles say. @type {import("../features/weighing/panel.js").ParticlesPanel | null} */
   particles = null;
+  /** The journey to a goal. @type {import("../features/navigation/journey.js").Journey | null} */
+  journey = null;
   /** @type {Floor | null} */
   #floor = null;
   /** @type {[number, number][]} */
@@ -103,6 +106,10 @@ export class Scene {
     this.#inMetres(context, () => {
       drawing.drawScan(context, telemetry.scan, pixel);
       this.paths.draw(context, pixel);
+      const { way = null } = this.journey ?? {};
+      if (way && telemetry.navigation) {
+        drawJourney(context, way, telemetry.navigation.target, this.#outline, pixel);
+      }
     });
     if (!this.particles?.step) drawCloud(context, this.view, decodeCloud(telemetry.particles));
     const found = places(telemetry);

@@ -7,13 +7,17 @@ import { findButton } from "../page/elements.js";
 /** @typedef {import("./numbers.js").NumbersForm} NumbersForm */
 /** @typedef {import("./tools.js").Tool} Tool */
 
-/** Sets the filter's pose, or puts the robot elsewhere; only the first can be undone. */
+/** Sets the filter's pose, puts the robot elsewhere or sends it there; only the first can be undone. */
 export class Telling {
   #undo = findButton("undo");
 
-  /** @param {(command: Command) => Promise<boolean>} order */
-  constructor(order) {
+  /**
+   * @param {(command: Command) => Promise<boolean>} order
+   * @param {(pose: PoseMessage) => void} go sends the robot to a goal
+   */
+  constructor(order, go) {
     this.order = order;
+    this.go = go;
     this.#undo.onclick = () => order({ type: "undo" });
     findButton("scatter").onclick = () => this.scatter();
   }
@@ -26,6 +30,7 @@ export class Telling {
   /** @param {Tool} tool @param {PoseMessage} pose @param {NumbersForm} numbers for the spread */
   tell(tool, pose, { sdXy: sd_xy, sdTheta: sd_theta }) {
     if (tool === "set_pose") this.order({ type: "set_pose", ...pose, sd_xy, sd_theta });
+    if (tool === "goal") this.go(pose);
     if (tool === "place") this.order({ type: "place", ...pose });
   }
 

@@ -1,6 +1,6 @@
 // @ts-check
 /** @typedef {import("../messages").PoseMessage} PoseMessage */
-/** @typedef {"look" | "set_pose" | "place" | "measure" | "ask"} Tool */
+/** @typedef {"look" | "set_pose" | "place" | "measure" | "ask" | "goal"} Tool */
 
 /** A drag shorter than this [CSS px] sets no heading. */
 const SHORTEST = 8;
@@ -24,7 +24,7 @@ export class PoseTool {
   }
 
   wants() {
-    return this.tool === "set_pose" || this.tool === "place";
+    return this.tool === "set_pose" || this.tool === "place" || this.tool === "goal";
   }
 
   /** @param {number} x @param {number} y */

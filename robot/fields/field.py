@@ -197,7 +197,7 @@ class Field:
         line.
         """
         box = self._tape_box
-        if self.grid is None and self._light_cells(box).free.mean() < _LEAST_FREE:
+        if self.grid is None and self.light_cells(box).free.mean() < _LEAST_FREE:
             return self.extent
         return box
 
@@ -218,13 +218,13 @@ class Field:
 
         A cell is its number, counted by rows: a floor has up to a million cells.
         """
-        grid = self.grid or self._light_cells(self.drive_area)
+        grid = self.grid or self.light_cells(self.drive_area)
         free = np.flatnonzero(grid.free).astype(np.int32)
         if not len(free):
             raise FieldError(f"the field {self.name} has no free floor")
         return grid.origin, grid.resolution, grid.free.shape[1], free
 
-    def _light_cells(self, box: Extent) -> OccupancyGrid:
+    def light_cells(self, box: Extent) -> OccupancyGrid:
         """Return the free floor within a box, in cells of a few millimetres."""
         low = np.array(box[:2])
         size = np.array(box[2:]) - low

@@ -129,6 +129,11 @@ def test_a_client_drives(run, server):
     assert said.startswith("certain {'x': ")
 
 
+def test_a_client_sends_the_robot_to_a_place(run, server):
+    said = run("go_to.py", "-0.1", "0.05", "90", f"ws://{server.address}/api/live")
+    assert said[-1].startswith("arrived")
+
+
 def test_a_client_of_rosbridge_drives(run, server):
     (said,) = run("rosbridge_client.py", f"ws://{server.address}/rosbridge")
     assert said.startswith("/amcl_pose {'x': ")

@@ -10,6 +10,7 @@ from numba.core.dispatcher import Dispatcher
 from app.engine.build import build_program
 from app.engine.program import Program
 from app.engine.snapshot import Snapshot
+from app.features.navigation.messages import GoalMessage, NavigateCommand
 from app.messages.commands import Command, ScatterCommand, SetParametersCommand, SetPoseCommand
 from app.messages.driving_commands import FigureEightCommand
 from app.settings.config import Config
@@ -22,6 +23,9 @@ SETTLED_TICKS = 100
 """Enough to compare poses with odometry, which begins when the place is known for some time."""
 TICKS = 8
 """A few pictures."""
+GOAL = NavigateCommand(type="navigate", poses=[GoalMessage(x=0.1, y=0.1)])
+JOURNEY_TICKS = 40
+"""Enough to stand, and to plan a way."""
 FIRST_USES: tuple[dict[str, Any], ...] = (
     *({"filter": name} for name in FILTERS),
     {"filter": "particles", "laser_model_type": "beam"},
@@ -60,6 +64,10 @@ def drive_with_each() -> None:
         snapshot = drive(program, TICKS, ScatterCommand(type="scatter"))
     if snapshot.filter.line_scan is not None:
         _ = snapshot.filter.line_scan.response  # the page asks for it when the user looks at a ray
+    for command in (where(snapshot), GOAL):
+        program.engine.commands.put(command)
+    for _ in range(JOURNEY_TICKS):
+        program.engine.step()
     program.robot.close()
 
 

@@ -10,6 +10,7 @@ from app.engine.driver import Driver
 from app.engine.drivers import Drivers
 from app.engine.problems import CLIENTS_LOG
 from app.engine.program import Program
+from app.engine.snapshot import Snapshot
 from app.features.ros.incoming import (
     INCOMING,
     SERVICES,
@@ -143,6 +144,11 @@ class Inbox:
         """
         self.drivers.check(driver, command, self._program)
         self._put(driver, command)
+
+    @property
+    def newest(self) -> Snapshot | None:
+        """What the newest tick shows; None before the first one."""
+        return self._program.engine.latest.get()
 
     def parameters(self) -> LocalizationParameters:
         """The filter's present parameters."""

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from app.features.mapping.messages import PauseMapCommand, SaveMapCommand, StartMapCommand
+from app.features.navigation.messages import GoalMessage, NavigateCommand
 from app.features.ros.encoding.frames import SECOND_NS, heading_of
 from app.features.ros.message_types import Message, MessageError
 from app.features.ros.source import TopicSource
@@ -111,9 +112,7 @@ def drive_stamped(source: TopicSource, message: Message) -> DriveCommand:
 
 def set_pose(source: TopicSource, message: Message) -> SetPoseCommand:
     """Convert a PoseWithCovarianceStamped in the map frame, as RViz sends it."""
-    frame, wanted = message.header.frame_id.lstrip("/"), source.settings.global_frame_id
-    if frame not in ("", wanted):
-        raise MessageError(f"initialpose: its frame is {frame!r}; valid is {wanted!r}")
+    _require_map(source, "initialpose", message)
     position, turn = message.pose.pose.position, message.pose.pose.orientation
     whole = np.asarray(message.pose.covariance, dtype=np.float64).reshape(6, 6)
     flat = whole[np.ix_([0, 1, 5], [0, 1, 5])]
@@ -124,19 +123,42 @@ def set_pose(source: TopicSource, message: Message) -> SetPoseCommand:
         type="set_pose",
         x=position.x,
         y=position.y,
-        theta=_heading(turn),
+        theta=_heading("initialpose", turn),
         # Without a covariance, the default uncertainty is used.
         covariance=flat.ravel().tolist() if flat.any() else None,
     )
 
 
-def _heading(turn: Message) -> float:
+def goal_of(source: TopicSource, name: str, message: Message) -> GoalMessage:
+    """Convert a PoseStamped in the map frame to a goal; messages of errors have a name.
+
+    Raises:
+        MessageError: it is of another frame, or not a pose on the floor.
+    """
+    _require_map(source, name, message)
+    position, turn = message.pose.position, message.pose.orientation
+    if not all(map(math.isfinite, (position.x, position.y, turn.x, turn.y, turn.z, turn.w))):
+        raise MessageError(f"{name} has numbers that are not finite")
+    return GoalMessage(x=position.x, y=position.y, theta=_heading(name, turn))
+
+
+def _go_to(source: TopicSource, message: Message) -> NavigateCommand:
+    return NavigateCommand(type="navigate", poses=[goal_of(source, "goal_pose", message)])
+
+
+def _require_map(source: TopicSource, name: str, message: Message) -> None:
+    frame, wanted = message.header.frame_id.lstrip("/"), source.settings.global_frame_id
+    if frame not in ("", wanted):
+        raise MessageError(f"{name}: its frame is {frame!r}; valid is {wanted!r}")
+
+
+def _heading(name: str, turn: Message) -> float:
     """The heading of a quaternion that rotates about z [rad]."""
     length = math.hypot(turn.x, turn.y, turn.z, turn.w)
     if length < 0.5:
-        raise MessageError("initialpose: its orientation is no quaternion of length 1")
+        raise MessageError(f"{name}: its orientation is no quaternion of length 1")
     if 2 * math.asin(min(1.0, math.hypot(turn.x, turn.y) / length)) > LEVEL:
-        raise MessageError("initialpose: its orientation leans; valid is a turn about z")
+        raise MessageError(f"{name}: its orientation leans; valid is a turn about z")
     return heading_of(turn)
 
 
@@ -176,6 +198,7 @@ INCOMING: tuple[IncomingTopic, ...] = (
     IncomingTopic("cmd_vel", STAMPED_TWIST, drive_stamped),
     IncomingTopic("cmd_vel", TWIST, drive),
     IncomingTopic("initialpose", POSE, set_pose),
+    IncomingTopic("goal_pose", "geometry_msgs/msg/PoseStamped", _go_to),
 )
 """All topics; a setting chooses one of the two types of cmd_vel."""
 

@@ -11,8 +11,16 @@ from app.features.ros.inbox import Inbox
 from app.features.ros.incoming import Service
 from app.features.ros.message_types import Message, MessageError, definition, typestore
 from app.features.ros.publisher import TopicPublisher
+from app.features.ros.rosbridge.actions import ACTIONS, Action
 from app.features.ros.rosbridge.encoding import Encoder
-from app.features.ros.rosbridge.names import NUMBERS, FieldType, Names, fields, full_type
+from app.features.ros.rosbridge.names import (
+    NUMBERS,
+    FieldType,
+    Names,
+    fields,
+    full_type,
+    spellings,
+)
 from app.features.ros.rosbridge.parameters import RosParameters
 from app.features.ros.rosbridge.reading import message_of, shown
 
@@ -40,7 +48,9 @@ class RosApi:
             "get_time": _get_time,
             "get_ros_version": lambda: {"version": 2, "distro": "jazzy"},
             "get_param_names": lambda: {"names": self._parameters.names()},
-            "action_servers": lambda: {"action_servers": []},
+            "action_servers": lambda: {
+                "action_servers": [names.settings.full_name(action.name) for action in ACTIONS]
+            },
         }
         self._with_one: dict[str, tuple[str, Callable[[str], Answer]]] = {
             "topic_type": ("topic", self._topic_type),
@@ -224,6 +234,18 @@ class Bridge:
             valid = ", ".join([*self.names.service_types(), *self.rosapi.names()])
             raise MessageError(f"{name} is no service; valid are {valid}")
         return result
+
+    def action(self, name: str) -> Action:
+        """Return the action of that name.
+
+        Raises:
+            MessageError: there is none; lists the valid names.
+        """
+        for action in ACTIONS:
+            if name in spellings(action.name, self.names.settings):
+                return action
+        valid = ", ".join(self.names.settings.full_name(action.name) for action in ACTIONS)
+        raise MessageError(f"{name} is no action; valid are {valid}")
 
     def request_of(self, service: Service, arguments: Any) -> Message:
         """Make a request from its arguments: fields by name, or a list in the order of the fields.

@@ -95,7 +95,7 @@ class Names:
         self._plain = {
             spelling: name
             for name in (*self.incoming, *self.outgoing, *self.services)
-            for spelling in _spellings(name, self.settings)
+            for spelling in spellings(name, self.settings)
         }
 
     def topic_types(self) -> dict[str, str]:
@@ -169,6 +169,7 @@ def check_type(topic: Topic | IncomingTopic | Service, type_name: str | None) ->
         raise MessageError(f"{topic.name} has the type {topic.type}, not {type_name[:100]}{cure}")
 
 
-def _spellings(name: str, settings: Ros2Settings) -> set[str]:
+def spellings(name: str, settings: Ros2Settings) -> set[str]:
+    """Return all ways in which clients may write a name."""
     full = settings.full_name(name)
     return {name, f"/{name}", full, full[1:]}

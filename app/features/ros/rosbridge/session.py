@@ -12,6 +12,7 @@ from app.engine.mailboxes.outbox import Outbox
 from app.engine.problems import CLIENTS_LOG
 from app.features.ros.message_types import MessageError
 from app.features.ros.publisher import TopicRoute
+from app.features.ros.rosbridge.actions import ABORTED, ActionGoal
 from app.features.ros.rosbridge.bridge import PACKAGE, SET_PARAM, Bridge
 from app.features.ros.rosbridge.names import check_type
 from app.features.ros.rosbridge.reading import message_of
@@ -31,6 +32,9 @@ from robot.errors import BrickPoseError
 
 MOST_BYTES = 16_000_000
 """Most bytes that wait for one client; beyond it, older messages of a name are dropped."""
+
+MOST_WAITING = 100
+"""Most messages about goals that wait for one client."""
 
 Answers = Sequence[Request | Callable[[], Request]]
 """Answers, or what makes them in a thread."""
@@ -81,6 +85,8 @@ class RosbridgeSession(TopicRoute):
         self._by_topic: dict[str, tuple[Subscription, ...]] = {}
         self._due: list[Subscription] = []
         self._holds = False
+        self._goals: dict[str | int | None, ActionGoal] = {}
+        """By the ids that the client gave them."""
         self._operations: dict[str, Callable[[Request], Answers]] = {
             "advertise": self._advertise,
             "unadvertise": self._nothing,
@@ -88,6 +94,8 @@ class RosbridgeSession(TopicRoute):
             "subscribe": self._subscribe,
             "unsubscribe": self._unsubscribe,
             "call_service": self._call_service,
+            "send_action_goal": self._send_action_goal,
+            "cancel_action_goal": self._cancel_action_goal,
             "set_level": self._set_level,
             "status_level": self._set_level,
             "fragment": self._fragment,
@@ -116,6 +124,8 @@ class RosbridgeSession(TopicRoute):
         self._by_topic = {}
         self._hold_the_clock(False)
         self._bridge.inbox.drivers.leave(self._driver)
+        for goal in self._goals.values():
+            goal.close()
 
     def wants(self, topic: Topic, stamp: float) -> bool:
         """Whether one of the client's subscriptions to the topic is due."""
@@ -245,6 +255,45 @@ class RosbridgeSession(TopicRoute):
         check_type(service, maybe_text(request, "type"))
         message = self._bridge.request_of(service, arguments)
         return self._bridge.inbox.call(service.name, message, self._driver)
+
+    def _send_action_goal(self, request: Request) -> list[Request]:
+        name, number = text(request, "action"), request_id(request)
+        action = self._bridge.action(name)
+        answer: Request = {"action": name} if number is None else {"action": name, "id": number}
+        arguments = request.get("args")
+        wants_feedback = request.get("feedback") is True
+
+        def feedback(values: Request) -> None:
+            if wants_feedback:
+                self._send({"op": "action_feedback", **answer, "values": values})
+
+        def ended(status: int, values: Request) -> None:
+            result = {"op": "action_result", **answer, "values": values}
+            self._send({**result, "status": status, "result": True})
+
+        goal = ActionGoal(action, self._bridge.inbox, self._driver, feedback, ended)
+        try:
+            self._refuse_watchers()
+            goal.begin(arguments if isinstance(arguments, dict) else {})
+        except BrickPoseError as error:
+            refused = {"values": str(error), "status": ABORTED, "result": False}
+            return [{"op": "action_result", **answer, **refused}]
+        self._goals = {key: each for key, each in self._goals.items() if each.watched}
+        self._goals[number] = goal
+        return []
+
+    def _cancel_action_goal(self, request: Request) -> list[Request]:
+        goal = self._goals.get(request_id(request))
+        if goal is None or not goal.watched:
+            raise MessageError("there is no goal with this id; valid is that of send_action_goal")
+        goal.cancel()
+        return []
+
+    def _send(self, message: Request) -> None:
+        """Send what comes later, from any thread."""
+        data = _in_json(message)
+        self._outbox.put("", data, MOST_WAITING, len(data))
+        self._wake()
 
     def _set_level(self, request: Request) -> list[Request]:
         level = text(request, "level")

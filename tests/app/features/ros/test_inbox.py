@@ -176,7 +176,9 @@ def test_any_heading_is_read_back(theta, length):
 
     turn = turned(theta)
     turn.z, turn.w = turn.z * length, turn.w * length
-    assert math.remainder(_heading(turn) - theta, 2 * math.pi) == pytest.approx(0, abs=1e-9)
+    assert math.remainder(_heading("initialpose", turn) - theta, 2 * math.pi) == pytest.approx(
+        0, abs=1e-9
+    )
 
 
 def test_services_do_what_amcl_does(program, inbox):

@@ -1,0 +1,1 @@
+"""Drives the robot to goals on the map."""

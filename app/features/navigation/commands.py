@@ -1,0 +1,84 @@
+"""Commands that send the robot to goals, and end its journey."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from app.engine.command_row import CommandRow, Part, Repeat, Request, TickContext
+from app.engine.driving_commands import require_drivable
+from app.engine.program import Program
+from app.features.navigation.journey import RENEWAL, Journey
+from app.features.navigation.messages import CancelCommand, NavigateCommand
+from robot.errors import CommandError
+from robot.fields.field import Field
+from robot.geometry import Pose2
+
+if TYPE_CHECKING:
+    from app.features.navigation.keeper import JourneyKeeper
+
+KEEPER: Part[JourneyKeeper] = Part("navigation")
+
+
+def _begin(request: Request[NavigateCommand]) -> None:
+    """Begin a journey, and keep it up if its sender does not renew it."""
+    command = request.command
+    if command.poses is None:
+        request.pass_on()
+        return
+    keeper = request.part(KEEPER)
+    keeper.require_free(command.poses)
+    request.pass_on()
+    keeper.keep(None if command.renewed else request.driver, request.arbiter)
+
+
+def _navigate(tick: TickContext[NavigateCommand]) -> None:
+    command, controls = tick.command, tick.controls
+    starts = command.poses is not None
+    journey = Journey.of(command, controls.stamp) if starts else RENEWAL
+    controls.driving.perform(journey, controls.stamp, start=starts)
+
+
+def _cancel(tick: TickContext[CancelCommand]) -> None:
+    driving = tick.controls.driving
+    journey = driving.programme
+    before = tick.command.before
+    if isinstance(journey, Journey) and (before is None or journey.began < before):
+        journey.helm.canceled = True
+        driving.stop()
+
+
+def _check(command: NavigateCommand, program: Program) -> None:
+    """Refuse a goal while nothing could tell the robot where it is."""
+    latest = program.engine.latest.get()
+    if command.poses is None or latest is None:
+        return
+    if latest.filter.paused or latest.filter.hand is not None:
+        raise CommandError("the filter is paused; resume it to drive to a goal")
+    if latest.drawn is not None:
+        raise CommandError("a map is drawn; finish or discard it to drive to a goal")
+
+
+def _check_field(command: NavigateCommand, field: Field) -> None:
+    """Refuse goals that are not on the floor."""
+    for goal in command.poses or ():
+        if not field.contains(Pose2(goal.x, goal.y)):
+            xmin, ymin, xmax, ymax = field.extent
+            raise CommandError(
+                f"the goal ({goal.x:.3f}, {goal.y:.3f}) m is beyond the field; valid is x "
+                f"{xmin:.3f} to {xmax:.3f}, y {ymin:.3f} to {ymax:.3f} m"
+            )
+
+
+COMMANDS = (
+    CommandRow(
+        NavigateCommand,
+        _navigate,
+        Repeat.RECORDED,
+        act=_begin,
+        allowed=require_drivable,
+        check=_check,
+        check_field=_check_field,
+        drives=True,
+    ),
+    CommandRow(CancelCommand, _cancel, Repeat.RECORDED, allowed=require_drivable),
+)

@@ -1,0 +1,66 @@
+"""Journey: a drive to goals, as a programme of the engine."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from app.engine.driving import Programme
+from app.features.navigation.messages import NavigateCommand
+from robot.geometry import Twist2
+from robot.navigation.navigator import Goal, Navigator
+
+MODE = "navigate"
+
+
+class Helm:
+    """The velocity that a journey wants now: who navigates sets it, and the drive takes it."""
+
+    def __init__(self) -> None:
+        self.twist = Twist2()
+        self.taken = True
+        """Whether the drive has taken it since it was set; it does not while nobody renews it."""
+        self.navigator: Navigator | None = None
+        """Who steers; None before the first tick."""
+        self.canceled = False
+        """Whether somebody ended the journey."""
+
+    def set(self, twist: Twist2) -> None:
+        """Set the velocity of the next tick."""
+        self.twist, self.taken = twist, False
+
+    def velocity(self, elapsed: float) -> Twist2:
+        """Return the velocity; when the journey began does not matter."""
+        self.taken = True
+        return self.twist
+
+
+@dataclass(frozen=True, kw_only=True)
+class Journey(Programme):
+    """A drive to goals."""
+
+    goals: tuple[Goal, ...]
+    name: str | int | None = None
+    """By which its sender knows it."""
+    repeat: bool = False
+    began: float
+    """Stamp of its command [s]."""
+    helm: Helm = field(repr=False)
+
+    @classmethod
+    def of(cls, command: NavigateCommand, stamp: float) -> Journey:
+        """Return the journey that a command wants at a stamp [s]."""
+        goals = tuple(Goal(each.x, each.y, each.theta) for each in command.poses or ())
+        helm = Helm()
+        return cls(
+            MODE,
+            helm.velocity,
+            goals=goals,
+            name=command.id,
+            repeat=command.repeat,
+            began=stamp,
+            helm=helm,
+        )
+
+
+RENEWAL = Programme(MODE, Helm().velocity)
+"""Renews whatever journey there is."""

@@ -1,0 +1,86 @@
+// @ts-check
+import { OwnDrive } from "../../drive/own_drive.js";
+import { find, findButton, setText } from "../../page/elements.js";
+import { plain } from "../../page/format.js";
+import { t, translated } from "../../page/language.js";
+import { getJson } from "../../wire/http.js";
+
+/** @typedef {import("../../messages").Command} Command */
+/** @typedef {import("../../messages").NavigationMessage} NavigationMessage */
+/** @typedef {import("../../messages").NavigationPathMessage} NavigationPathMessage */
+/** @typedef {import("../../messages").PoseMessage} PoseMessage */
+/** @typedef {import("../../messages").TelemetryMessage} TelemetryMessage */
+/** @typedef {import("../../drive/lease.js").Drive} Drive */
+
+/** Sends the robot to a goal, and shows how far it is; this page renews the journey. */
+export class Journey {
+  /** The way on the map; null without one. @type {NavigationPathMessage | null} */
+  way = null;
+  #line = find("journey", HTMLElement);
+  #text = find("journey-text", HTMLElement);
+  #cancel = findButton("journey-cancel");
+  /** @type {OwnDrive} */
+  #own;
+  /** When the way that was asked for was planned [s]. */
+  #asked = 0;
+
+  /**
+   * @param {Drive} drive
+   * @param {(command: Command) => Promise<boolean>} order
+   */
+  constructor(drive, order) {
+    this.drive = drive;
+    this.order = order;
+    this.#own = new OwnDrive(drive, order, "navigate");
+    this.#cancel.onclick = () => order({ type: "cancel" });
+  }
+
+  /** Drive to a pose. @param {PoseMessage} pose */
+  go({ x, y, theta }) {
+    /** @type {Command} */
+    const command = { type: "navigate", poses: [{ x, y, theta }], renewed: true };
+    if (this.drive.mayBegin) this.#own.begin(command);
+    // The refusal says who drives, and what to do.
+    else this.order(command);
+  }
+
+  /** @param {TelemetryMessage} telemetry */
+  follow({ mode, navigation, driver }) {
+    this.#own.heed(mode === "navigate", driver.stopped);
+    this.#own.follow(mode === "navigate");
+    this.#line.hidden = !navigation;
+    if (!navigation) return void (this.way = null);
+    setText(this.#text, words(navigation));
+    this.#cancel.hidden = !isActive(navigation);
+    if (navigation.planned !== this.#asked) this.#load(navigation.planned);
+  }
+
+
+  /** @param {number} planned [s] */
+  async #load(planned) {
+    this.#asked = planned;
+    this.way = await getJson("/api/navigation").catch(() => null);
+  }
+}
+
+/** @param {NavigationMessage} navigation */
+const isActive = ({ state }) => state === "planning" || state === "driving" || state === "waiting";
+
+/** @param {NavigationMessage} navigation */
+function words({ state, remaining_m, remaining_s, reason }) {
+  const why = reason ? translated(reason) : "";
+  switch (state) {
+    case "planning":
+      return t("goal: planning the way");
+    case "driving":
+      return t("goal: {way} m, {time} s left", { way: plain(remaining_m, 2), time: plain(remaining_s, 0) });
+    case "waiting":
+      return t("goal: waiting; {why}", { why });
+    case "arrived":
+      return t("goal: arrived");
+    case "canceled":
+      return t("goal: canceled; {why}", { why });
+    default:
+      return t("goal: failed; {why}", { why });
+  }
+}

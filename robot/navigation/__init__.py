@@ -1,0 +1,1 @@
+"""The way to a goal: free floor, a path through it, and the drive along the path."""

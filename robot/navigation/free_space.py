@@ -1,0 +1,153 @@
+"""FreeSpace: how far each place of a field is from what the robot must not touch."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from robot.fields.field import Field
+from robot.geometry import Array, Pose2
+from robot.navigation.settings import NavigationSettings
+
+LETHAL = 253
+"""nav2's cost of a cell where the robot's middle touches a wall."""
+COST_WEIGHT = 6.0
+"""What a cell beside a wall costs more than a free one, in free cells."""
+BODY_STEP = 0.012
+"""Points on and in the robot's outline are compared with walls at this distance [m]."""
+BEYOND = 3
+"""Cells around tape that count as tape where tape is ignored: its edge is blurred."""
+
+
+@dataclass(frozen=True, eq=False)
+class FreeSpace:
+    """Distances to walls on a field, and the robot's outline that has to fit between them."""
+
+    origin: tuple[float, float]
+    """Lower left corner of the cells in the map [m]."""
+    side: float
+    """Of a cell [m]."""
+    distance: NDArray[np.float32]
+    """(h, w) from each cell's middle to the nearest wall [m], row 0 at the bottom; 0 in a wall."""
+    body: Array
+    """(k, 2) points of the robot [m], in its frame."""
+    radius: float
+    """Of the circle about the robot's middle in which it can turn [m]."""
+    settings: NavigationSettings
+
+    @classmethod
+    def of(cls, field: Field, outline: Array, settings: NavigationSettings) -> FreeSpace:
+        """Return the free space of a field for a robot's outline (k, 2) [m].
+
+        Walls are the edge of the floor, tape if the settings say so, other dark shapes, and what is
+        not free on a ROS map.
+        """
+        if field.grid is None:
+            grid = field.light_cells(field.extent)
+        else:  # along the map frame's axes, as it may lie turned in it
+            grid = field.occupancy(field.grid.resolution)
+        walls = ~grid.free
+        if settings.tape == "ignored" and field.tape:
+            tape = field.occupancy(grid.resolution).data > 0
+            around = np.ones((2 * BEYOND + 1, 2 * BEYOND + 1), np.uint8)
+            grown = cv2.dilate(tape.astype(np.uint8), around) > 0
+            rows, columns = (min(a, b) for a, b in zip(grown.shape, walls.shape, strict=True))
+            walls[:rows, :columns] &= ~grown[:rows, :columns]
+        framed = np.pad(walls, 1, constant_values=True)
+        cells = cv2.distanceTransform(
+            (~framed).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE
+        )[1:-1, 1:-1]
+        # From the middle of a free cell to the edge of the nearest one that is not.
+        distance = np.maximum(cells - 0.5, 0.0).astype(np.float32) * np.float32(grid.resolution)
+        return cls(
+            origin=(grid.origin.x, grid.origin.y),
+            side=grid.resolution,
+            distance=distance,
+            body=_body(outline),
+            radius=float(np.hypot(*outline.T).max()),
+            settings=settings,
+        )
+
+    def clearance(self, points: Array) -> Array:
+        """Return the distance of points (n, 2) [m] to walls (n,) [m]; 0 beyond the floor."""
+        rows, columns = self.distance.shape
+        column = np.floor((points[:, 0] - self.origin[0]) / self.side).astype(np.intp)
+        row = np.floor((points[:, 1] - self.origin[1]) / self.side).astype(np.intp)
+        inside = (row >= 0) & (row < rows) & (column >= 0) & (column < columns)
+        distances = np.zeros(len(points))
+        distances[inside] = self.distance[row[inside], column[inside]]
+        return distances
+
+    def room(self, poses: Array) -> Array:
+        """Return the smallest distance of the robot to walls (n,) [m] at poses (n, 3)."""
+        cos, sin = np.cos(poses[:, 2])[:, None], np.sin(poses[:, 2])[:, None]
+        x, y = self.body[:, 0], self.body[:, 1]
+        points = np.stack(
+            [poses[:, :1] + cos * x - sin * y, poses[:, 1:2] + sin * x + cos * y], axis=-1
+        )
+        room: Array = self.clearance(points.reshape(-1, 2)).reshape(points.shape[:2]).min(axis=1)
+        return room
+
+    def fits(self, poses: Array) -> bool:
+        """Whether the robot's outline keeps its clearance at poses (n, 3) [m, m, rad]."""
+        return bool((self.room(poses) >= self.settings.clearance).all())
+
+    def turns(self, points: Array) -> bool:
+        """Whether the robot may have any heading at points (n, 2) [m]."""
+        needed = self.radius + self.settings.clearance
+        return bool((self.clearance(points) >= needed).all())
+
+    def stands_in_wall(self, pose: Pose2) -> bool:
+        """Whether the robot's outline touches a wall at a pose."""
+        return bool(self.room(pose.to_array()[None])[0] <= 0)
+
+    @cached_property
+    def costs(self) -> NDArray[np.float32]:
+        """(h, w) what a way through each cell of the planner's grid costs; inf is a wall.
+
+        The robot may have any heading in a cell that is no wall. Costs fall with the distance to
+        walls as in nav2's inflation layer.
+        """
+        height, width = self.shape
+        resolution = self.settings.resolution
+        rows, columns = np.mgrid[:height, :width] + 0.5
+        points = np.column_stack([columns.ravel(), rows.ravel()]) * resolution + self.origin
+        distance = self.clearance(points).reshape(height, width)
+        # A path between the middles of cells comes nearer to walls by up to half a diagonal.
+        needed = self.radius + self.settings.clearance + resolution * math.sqrt(0.5)
+        near = np.exp(-self.settings.cost_scaling_factor * np.maximum(distance - needed, 0.0))
+        near[distance > self.settings.inflation_radius] = 0.0
+        costs = np.where(distance < needed, np.inf, 1.0 + COST_WEIGHT * near)
+        return costs.astype(np.float32)
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns of the planner's grid."""
+        share = self.side / self.settings.resolution
+        rows, columns = self.distance.shape
+        return max(1, math.floor(rows * share + 1e-6)), max(1, math.floor(columns * share + 1e-6))
+
+    def cell(self, x: float, y: float) -> tuple[int, int]:
+        """Return row and column of a place [m] in the planner's grid; it may be beyond."""
+        resolution = self.settings.resolution
+        row = math.floor((y - self.origin[1]) / resolution)
+        return row, math.floor((x - self.origin[0]) / resolution)
+
+
+def _body(outline: Array) -> Array:
+    """Return points on and in an outline, so dense that no tape passes between them."""
+    around = [outline]
+    following = np.roll(outline, -1, axis=0)
+    for start, end in zip(outline, following, strict=True):
+        parts = max(1, math.ceil(float(np.hypot(*(end - start))) / BODY_STEP))
+        shares = np.arange(1, parts)[:, None] / parts
+        around.append(start + shares * (end - start))
+    rim = np.concatenate(around)
+    # The outline is convex, and its middle within: rings that shrink to it fill it.
+    rings = max(1, math.ceil(float(np.hypot(*outline.T).max()) / (2 * BODY_STEP)))
+    return np.concatenate([rim * share for share in np.arange(1, rings + 1) / rings])

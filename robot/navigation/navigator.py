@@ -1,0 +1,441 @@
+"""Navigator: drives a robot from goal to goal, tick by tick; it says what it does and why."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from robot.geometry import Array, Pose2, Twist2, wrap_angle
+from robot.localization.estimate import Integrity, State
+from robot.navigation.free_space import FreeSpace
+from robot.navigation.legs import WayLeg, curve, straight, turn
+from robot.navigation.planning import NoWayError, Planner, plan
+from robot.navigation.settings import NavigationSettings
+from robot.navigation.timed_way import Limits, TimedWay, timed
+from robot.navigation.tracker import follow
+
+NavigationState = Literal["planning", "driving", "waiting", "arrived", "canceled", "failed"]
+STANDS_V, STANDS_OMEGA = 0.004, 0.02
+"""A robot that is slower stands [m/s, rad/s]."""
+SETTLE_S = 0.4
+"""The robot stands so long before its end is judged: the filter sees it at rest [s]."""
+GOAL_STAYS = 0.015
+"""A place that was reached counts so until the robot is farther away from it [m]."""
+MOST_CORRECTIONS = 3
+"""So often an end that is too far from its goal is driven to again."""
+CORRECTION_M = 0.08
+"""For that the robot goes back so far, and comes again [m]."""
+SIDESTEPS = 25
+"""Points of the way back."""
+VAGUE_M = 0.035
+"""At a goal where its bound is wider than this, the robot turns around once to see more [m]."""
+SLOWEST = 0.25
+"""Share of its speed that the robot keeps while its bound is wide."""
+LOOK_RATE = 0.8
+"""Turning speed of a robot that looks around [rad/s]."""
+MOST_LOOKING = 4 * math.pi
+"""It turns so far, and then waits [rad]."""
+DOUBT_S = 1.0
+"""It drives on slowly while its place is known badly for less than this [s]."""
+LOOKS_ENOUGH_S = 0.3
+"""It has looked around when its place was known for so long [s]."""
+NEAREST_SEEN = 0.02
+"""A robot that sees a wall nearer to the circle of its turn than this does not look around [m]."""
+KNOWN = (State.CERTAIN, State.APPROXIMATE)
+UNSURE = {
+    State.AMBIGUOUS: "several places look alike",
+    State.SEARCHING: "it does not know where it is",
+    State.LOST: "it is lost",
+}
+
+
+Job = Callable[[], tuple[WayLeg, ...]]
+"""Plans; raises a ``NoWayError``."""
+
+
+class Goal(NamedTuple):
+    """A place in the map, and the heading there; None is any."""
+
+    x: float
+    y: float
+    theta: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class NavigationStatus:
+    """What navigation shows of itself."""
+
+    state: NavigationState
+    goals: tuple[Goal, ...]
+    name: str | int | None = None
+    """By which its sender knows it."""
+    number: int = 0
+    """Number of the goal that it drives to, from 0."""
+    reason: str = ""
+    """Why it stands or has failed, in words for people; empty while all is well."""
+    remaining_m: float = 0.0
+    """The way to this goal [m]."""
+    remaining_s: float = 0.0
+    """How long it takes to this goal [s]."""
+    target: Pose2 | None = None
+    """Where the robot shall be next."""
+    path: Array | None = field(default=None, repr=False)
+    """(n, 2) the way to this goal [m]."""
+    planned: float = 0.0
+    """When that way was taken [s]: another one has another time."""
+
+    @property
+    def active(self) -> bool:
+        """Whether the robot drives, or will."""
+        return self.state in ("planning", "driving", "waiting")
+
+
+@dataclass(frozen=True)
+class Sensed:
+    """What a navigator knows of one tick."""
+
+    stamp: float
+    pose: Pose2 | None
+    """The estimate now; None while there is none."""
+    twist: Twist2
+    """As the wheels measure it."""
+    integrity: Integrity
+    seen: float = math.inf
+    """How near to its middle the robot sees a wall [m]; inf is none."""
+
+
+class Navigator:
+    """One journey: to a goal, or to several one after the other."""
+
+    def __init__(
+        self,
+        goals: tuple[Goal, ...],
+        settings: NavigationSettings,
+        limits: Limits,
+        *,
+        radius: float,
+        name: str | int | None = None,
+        repeat: bool = False,
+        planner: Planner = plan,
+    ) -> None:
+        """Begin a journey.
+
+        Args:
+            goals: one or more.
+            settings: tolerances and speeds.
+            limits: of the drive.
+            radius: of the circle in which the robot turns on the spot [m].
+            name: by which its sender knows the journey.
+            repeat: whether it begins again after the last goal.
+            planner: finds ways.
+        """
+        self.status = NavigationStatus("planning", goals, name)
+        self._settings = settings
+        self._limits = limits
+        self._turning_room = radius + NEAREST_SEEN
+        self._repeat = repeat
+        self._planner = planner
+        self._trajectory: TimedWay | None = None
+        self._clock = 0.0
+        """How far the trajectory is driven [s]."""
+        self._stamp: float | None = None
+        self._stands_since: float | None = None
+        self._ended: float | None = None
+        """When the trajectory was over [s]; None before that."""
+        self._asked: Pose2 | None = None
+        """Where the way begins that is planned now; None if none is."""
+        self._looked = 0.0
+        """How far it has turned to look around since it last knew its place [rad]."""
+        self._knows_since: float | None = None
+        self._looks = False
+        self._doubted_since: float | None = None
+        self._corrections = 0
+        self._seeks = self._sought = False
+        """Whether it shall turn around at the goal, and whether it has."""
+        self._reached = False
+        """Whether the place of the goal was reached: then only the heading is left."""
+
+    def job(self, free: Callable[[], FreeSpace], tick: Sensed) -> Job | None:
+        """Return work for another thread, if there is some: its result belongs to ``take``."""
+        if (
+            self.status.state != "planning" or self._asked is not None or tick.pose is None
+            or not self._stands(tick)
+        ):  # fmt: skip
+            return None
+        start, goal, planner = tick.pose, self._goal, self._planner
+        reached, settings, seeks = self._reached, self._settings, self._seeks
+        self._seeks = False
+        self._asked = start
+
+        def work() -> tuple[WayLeg, ...]:
+            space = free()
+            if goal.theta is None:
+                theta = math.atan2(goal.y - start.y, goal.x - start.x)
+                end = Pose2(goal.x, goal.y, theta)
+            else:
+                end = Pose2(goal.x, goal.y, goal.theta)
+            if seeks and space.turns(start.to_array()[None, :2]):
+                return _all_around(start)
+            if reached and start.distance_to(end) <= GOAL_STAYS:
+                return corrected(space, start, end, settings)
+            return planner(space, start, end)
+
+        return work
+
+    def take(self, legs: tuple[WayLeg, ...] | NoWayError) -> None:
+        """Drive along legs that were planned, or stand if there is no way."""
+        self._asked = None
+        if not self.status.active:
+            return
+        if isinstance(legs, NoWayError):
+            self._end("failed", str(legs))
+            return
+        self._clock = 0.0
+        self._stands_since = None
+        if not legs:
+            self._trajectory = None
+            self._next_goal()
+            return
+        self._trajectory = timed(legs, self._limits)
+        self.status = replace(
+            self.status, path=self._trajectory.poses[:, :2].copy(), planned=self._stamp or 0.0
+        )
+        self._show("driving")
+
+    def step(self, tick: Sensed) -> Twist2:
+        """Return the twist to command in this tick."""
+        passed = 0.0 if self._stamp is None else max(tick.stamp - self._stamp, 0.0)
+        self._stamp = tick.stamp
+        trajectory = self._trajectory
+        if not self.status.active or self.status.state == "planning" or trajectory is None:
+            return Twist2()
+        pose = tick.pose
+        doubt = self._doubt(tick)
+        if doubt and self._doubted_since is None:
+            self._doubted_since = tick.stamp
+        elif not doubt:
+            self._doubted_since = None
+        if pose is None or self._looks or self._has_to_look(tick):
+            return self._look_around(tick, doubt, passed)
+        if self._is_off(pose, trajectory):
+            self.plan_anew()
+            return Twist2()
+        if self._clock >= trajectory.duration and self._settled(tick, pose, trajectory):
+            return Twist2()
+        pace = self._pace(tick.integrity)
+        self._clock = min(self._clock + pace * passed, trajectory.duration)
+        wanted = trajectory.at(self._clock)
+        ahead = trajectory.at(self._clock + pace * self._settings.command_lag).twist
+        self._show("driving", target=wanted.pose)
+        paced = Twist2(pace * ahead.v, pace * ahead.omega)
+        return follow(pose, wanted, paced, self._settings)
+
+    def hold(self, tick: Sensed) -> None:
+        """Stand in this tick, since nobody renews the journey."""
+        self._stamp = tick.stamp
+        if self.status.state != "planning":
+            self._stands_since = None
+            self._show("waiting", reason="nothing is heard from its sender: it waits")
+
+    def ask_again(self) -> None:
+        """Have the way planned again whose result was lost."""
+        self._asked = None
+
+    def plan_anew(self) -> None:
+        """Stand, and plan another way from there."""
+        self._trajectory = None
+        self._stands_since = None
+        self._show("planning")
+
+    def cancel(self, reason: str) -> None:
+        """End the journey before its goal."""
+        if self.status.active:
+            self._end("canceled", reason)
+
+    @property
+    def _goal(self) -> Goal:
+        return self.status.goals[self.status.number]
+
+    def _stands(self, tick: Sensed) -> bool:
+        return abs(tick.twist.v) < STANDS_V and abs(tick.twist.omega) < STANDS_OMEGA
+
+    def _doubt(self, tick: Sensed) -> str:
+        """Return in words why the robot does not know its place well enough; empty if it does."""
+        if tick.pose is None or tick.integrity.state not in KNOWN:
+            return UNSURE.get(tick.integrity.state, UNSURE[State.SEARCHING])
+        radius = tick.integrity.radius
+        if radius <= self._settings.stop_radius:
+            return ""
+        if math.isinf(radius):
+            return "its place is in doubt"
+        return f"its place is known to {100 * math.ceil(10 * radius)} mm only"
+
+    def _has_to_look(self, tick: Sensed) -> bool:
+        """Whether it does not know its place, or has not known it well for some time."""
+        if self._doubted_since is None:
+            return False
+        return tick.integrity.state not in KNOWN or tick.stamp - self._doubted_since > DOUBT_S
+
+    def _look_around(self, tick: Sensed, doubt: str, passed: float) -> Twist2:
+        """Turn on the spot until the place is known; stand if that has not helped."""
+        if not self._looks:
+            self._looks, self._looked = True, 0.0
+        self._stands_since = None
+        if not doubt:
+            self._knows_since = tick.stamp if self._knows_since is None else self._knows_since
+            if tick.stamp - self._knows_since >= LOOKS_ENOUGH_S:
+                self._looks, self._knows_since = False, None
+                self.plan_anew()
+                return Twist2()
+        else:
+            self._knows_since = None
+        self._looked += LOOK_RATE * passed
+        if self._looked > MOST_LOOKING:
+            self._show("waiting", reason=f"{doubt}: it waits until it knows better")
+            return Twist2()
+        if tick.seen < self._turning_room:
+            self._show("waiting", reason=f"{doubt}, and a wall is too near to look around")
+            return Twist2()
+        self._show("waiting", reason=f"{doubt or 'it knows its place again'}: it looks around")
+        return Twist2(0.0, LOOK_RATE)
+
+    def _pace(self, integrity: Integrity) -> float:
+        """Return the share of the planned speed that the robot drives."""
+        slow, stop = self._settings.slow_radius, self._settings.stop_radius
+        share = (stop - integrity.radius) / (stop - slow)
+        return min(1.0, max(SLOWEST, share))
+
+    def _is_off(self, pose: Pose2, trajectory: TimedWay) -> bool:
+        wanted = trajectory.at(self._clock).pose
+        return pose.distance_to(wanted) > self._settings.off_path
+
+    def _settled(self, tick: Sensed, pose: Pose2, trajectory: TimedWay) -> bool:
+        """Whether the robot has come to its end: it then stands, and goes on or comes again."""
+        error = pose.inverse() @ trajectory.goal
+        settings = self._settings
+        is_there = abs(error.x) <= settings.xy_goal_tolerance / 2
+        is_turned = abs(error.theta) <= settings.yaw_goal_tolerance / 2
+        if self._stands_since is None:
+            late = self._clock_since_end(tick) > 2.0
+            if not (is_there and is_turned and self._stands(tick)) and not late:
+                return False
+            self._stands_since = tick.stamp
+        if tick.stamp - self._stands_since < SETTLE_S:
+            return True
+        self._judge(pose, trajectory.goal, tick.integrity.radius)
+        return True
+
+    def _clock_since_end(self, tick: Sensed) -> float:
+        """Return how long the end of the trajectory is over [s]."""
+        if self._ended is None:
+            self._ended = tick.stamp
+        return tick.stamp - self._ended
+
+    def _judge(self, pose: Pose2, goal: Pose2, radius: float) -> None:
+        settings = self._settings
+        if radius > VAGUE_M and not self._sought:
+            self._reached, self._ended = True, None
+            self._seeks = self._sought = True
+            self.plan_anew()
+            return
+        distance = pose.distance_to(goal)
+        self._reached = True
+        self._ended = None
+        any_heading = self._goal.theta is None
+        turned = (
+            any_heading or abs(wrap_angle(goal.theta - pose.theta)) <= settings.yaw_goal_tolerance
+        )
+        if (distance <= settings.xy_goal_tolerance and turned) or (
+            self._corrections >= MOST_CORRECTIONS
+        ):
+            self._next_goal()
+            return
+        self._corrections += 1
+        self.plan_anew()
+
+    def _next_goal(self) -> None:
+        self._corrections, self._reached, self._ended = 0, False, None
+        self._sought = False
+        following = self.status.number + 1
+        if following >= len(self.status.goals):
+            if not self._repeat:
+                self._end("arrived", "")
+                return
+            following = 0
+        self.status = replace(self.status, number=following)
+        self.plan_anew()
+
+    def _end(self, state: NavigationState, reason: str) -> None:
+        self._trajectory = None
+        self.status = replace(
+            self.status, state=state, reason=reason, remaining_m=0.0, remaining_s=0.0, target=None
+        )
+
+    def _show(
+        self,
+        state: NavigationState,
+        *,
+        reason: str = "",
+        target: Pose2 | None = None,
+    ) -> None:
+        trajectory = self._trajectory
+        left_m = left_s = 0.0
+        if trajectory is not None:
+            left_m = trajectory.left_at(self._clock)
+            left_s = trajectory.duration - self._clock
+        self.status = replace(
+            self.status,
+            state=state,
+            reason=reason,
+            target=target,
+            remaining_m=left_m,
+            remaining_s=left_s,
+        )
+
+
+def corrected(
+    free: FreeSpace, start: Pose2, goal: Pose2, settings: NavigationSettings
+) -> tuple[WayLeg, ...]:
+    """Return legs that bring a robot that stands beside its goal there.
+
+    Sideways it cannot go: it goes back and comes again, or ahead and back, where there is room.
+    """
+    beside = goal.inverse() @ start
+    near = settings.xy_goal_tolerance / 2
+    if abs(beside.y) > near:
+        for distance in (-CORRECTION_M, CORRECTION_M, -CORRECTION_M / 2, CORRECTION_M / 2):
+            away = _sidestep(start, goal, distance)
+            back = straight(goal @ Pose2(distance), -distance)
+            if free.fits(away.poses) and free.fits(back.poses):
+                return away, back
+    legs = []
+    if abs(beside.theta) > settings.yaw_goal_tolerance / 2 and free.turns(
+        start.to_array()[None, :2]
+    ):
+        legs.append(turn(start, goal.theta))
+    if abs(beside.x) > near:
+        legs.append(straight(Pose2(start.x, start.y, goal.theta), -beside.x))
+    return tuple(legs)
+
+
+def _all_around(pose: Pose2) -> tuple[WayLeg, ...]:
+    """Return a whole turn on the spot, in parts."""
+    legs = []
+    for _ in range(3):
+        legs.append(turn(pose, pose.theta + 2 * math.pi / 3))
+        pose = legs[-1].end
+    return tuple(legs)
+
+
+def _sidestep(start: Pose2, goal: Pose2, distance: float) -> WayLeg:
+    """Return a way from beside a goal onto its line, so far ahead of it [m] or behind."""
+    beside = goal.inverse() @ start
+    share = np.linspace(0.0, 1.0, SIDESTEPS)
+    smooth = share**3 * (10 - 15 * share + 6 * share**2)
+    along = beside.x + share * (distance - beside.x)
+    points = goal.apply(np.column_stack([along, beside.y * (1 - smooth)]))
+    return curve(points, backwards=distance < beside.x)

@@ -1,0 +1,212 @@
+"""A robot drives to goals, and stops doing so for every reason that there is."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import pytest
+from engine_runs import run
+from journeys import OTHER, PAGE, RENEW, JourneyBench, goal
+
+from app.engine.commands import parse
+from app.engine.snapshot import DrawnMap
+from app.features.navigation.messages import CancelCommand, GoalMessage, NavigateCommand
+from app.messages.commands import PauseCommand, ResumeCommand
+from app.messages.driving_commands import DriveCommand, StopCommand, TakeCommand
+from app.page.telemetry import TelemetryWriter
+from robot.errors import CommandError
+from robot.geometry import Pose2, Twist2
+
+FAR = goal(0.3, 0.2, 1.0)
+
+
+@pytest.fixture
+def bench() -> Iterator[JourneyBench]:
+    made = JourneyBench()
+    yield made
+    made.close()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("place", [(0.3, 0.2, 1.0), (-0.25, 0.3, -2.0), (-0.36, 0.0, math.pi)])
+def test_it_arrives_within_a_millimetre_of_the_truth(bench, place):
+    bench.send(goal(*place))
+    shown = bench.go(60)
+    assert bench.status.state == "arrived"
+    assert bench.now.mode == "idle"
+    run(bench.program, 0.2)
+    truth = bench.program.engine.latest.get().truth
+    assert truth.distance_to(Pose2(*place)) < 0.001
+    assert abs(math.degrees(truth.turn_to(Pose2(*place)))) < 0.3
+    assert {each.mode for each in shown[1:-1]} == {"navigate"}
+
+
+@pytest.mark.slow
+def test_telemetry_tells_how_far_it_is(bench):
+    writer = TelemetryWriter(bench.program, bench.outlets)
+    assert writer.message(bench.now).navigation is None
+    bench.send(FAR)
+    bench.go(2.0)
+    told = writer.message(bench.now).navigation
+    assert told.state == "driving"
+    assert told.reason is None
+    assert 0 < told.remaining_m < 0.4
+    assert 0 < told.remaining_s < 10
+    assert told.target is not None
+    bench.go(60)
+    told = writer.message(bench.now).navigation
+    assert (told.state, told.remaining_m, told.remaining_s) == ("arrived", 0, 0)
+
+
+def test_a_stop_ends_it_at_once_and_holds_for_all(bench):
+    bench.send(FAR)
+    bench.go(2.0)
+    bench.send(StopCommand(type="stop"), OTHER)
+    bench.go(0.04)
+    assert bench.now.twist == Twist2()
+    assert (bench.status.state, bench.status.reason) == ("canceled", "the robot was stopped")
+    with pytest.raises(CommandError, match="a stop holds"):
+        bench.send(FAR)
+    bench.send(TakeCommand(type="take"))
+    bench.send(FAR)
+    bench.go(0.1)
+    assert bench.status.state == "planning"
+
+
+def test_a_cancel_ends_it_and_others_may_drive(bench):
+    bench.send(FAR)
+    bench.go(2.0)
+    bench.send(CancelCommand(type="cancel"), OTHER)
+    bench.go(0.04)
+    assert bench.now.twist == Twist2()
+    assert (bench.status.state, bench.status.reason) == ("canceled", "somebody canceled it")
+    assert not bench.outlets.drivers.state.stopped
+    bench.send(CancelCommand(type="cancel"))
+    bench.go(0.04)
+    assert bench.status.state == "canceled"
+
+
+def test_another_way_of_driving_ends_it(bench):
+    bench.send(FAR)
+    bench.go(2.0)
+    bench.send(DriveCommand(type="drive", v=0.1, omega=0.0))
+    bench.go(0.04)
+    assert bench.now.mode == "drive"
+    assert bench.status.state == "canceled"
+    assert "otherwise" in bench.status.reason
+
+
+def test_somebody_else_may_not_drive_meanwhile(bench):
+    bench.send(FAR)
+    bench.go(1.0)
+    for command in (DriveCommand(type="drive", v=0.1, omega=0.0), FAR):
+        with pytest.raises(CommandError, match="page 1 drives"):
+            bench.send(command, OTHER)
+
+
+def test_a_page_that_is_closed_stops_it(bench):
+    bench.send(FAR)
+    bench.go(2.0)
+    bench.outlets.drivers.leave(PAGE)
+    bench.go(0.04)
+    assert bench.now.twist == Twist2()
+    assert bench.status.state == "canceled"
+
+
+def test_it_stands_while_nothing_is_heard_goes_on_and_ends_after_three_seconds(bench):
+    bench.send(FAR)
+    bench.go(2.0)
+    bench.go(0.5, renew=False)
+    assert bench.now.twist == Twist2()
+    assert bench.status.state == "waiting"
+    assert "nothing is heard" in bench.status.reason
+    bench.go(0.5)
+    assert bench.status.state == "driving"
+    bench.go(4.0, renew=False)
+    assert bench.status.state == "canceled"
+    assert bench.now.mode == "idle"
+
+
+@pytest.mark.slow
+def test_another_goal_takes_the_place_of_the_first(bench):
+    bench.send(FAR)
+    bench.go(2.0)
+    bench.send(goal(-0.2, -0.1, 0.5))
+    bench.go(60)
+    assert bench.status.state == "arrived"
+    assert bench.now.truth.distance_to(Pose2(-0.2, -0.1)) < 0.001
+
+
+@pytest.mark.slow
+def test_several_goals_are_driven_to_one_after_the_other(bench):
+    poses = [GoalMessage(x=0.2, y=0.0), GoalMessage(x=0.2, y=0.2, theta=1.5)]
+    bench.send(NavigateCommand(type="navigate", poses=poses))
+    at = [each.added["navigation"].number for each in bench.go(60) if "navigation" in each.added]
+    assert sorted(set(at)) == [0, 1]
+    assert bench.status.state == "arrived"
+    assert bench.now.truth.distance_to(Pose2(0.2, 0.2)) < 0.001
+
+
+@pytest.mark.parametrize(
+    ("place", "words"),
+    [
+        ((0.5, 0.0, 0.0), "would stand on a wall"),
+        ((0.402, 0.0, 0.0), "nearer to a wall than 8 mm"),
+        ((3.0, 0.0, 0.0), "beyond the field; valid is x -0.750 to 0.750"),
+        ((3.0, 0.0, None), "beyond the field"),
+    ],
+)
+def test_a_goal_where_it_cannot_be_is_refused_and_the_robot_stands(bench, place, words):
+    with pytest.raises(CommandError, match=words):
+        bench.send(goal(*place))
+    bench.go(0.2)
+    assert bench.status is None
+    assert bench.now.mode == "idle"
+
+
+def test_a_goal_without_a_way_fails_and_says_why(bench):
+    bench.send(goal(0.63, 0.0, None))
+    bench.go(2.0)
+    assert bench.status.state == "failed"
+    assert bench.status.reason
+    assert bench.now.mode == "idle"
+    assert bench.now.twist == Twist2()
+
+
+@pytest.mark.parametrize("x", ["NaN", "1e999", '"0.1"', "null"])
+def test_what_is_no_number_is_no_goal(x):
+    with pytest.raises(CommandError):
+        parse('{"type": "navigate", "poses": [{"x": ' + x + ', "y": 0}]}')
+
+
+def test_nothing_to_drive_to_is_no_command():
+    with pytest.raises(CommandError):
+        parse('{"type": "navigate", "poses": []}')
+
+
+def test_while_the_filter_is_paused_there_is_no_journey(bench):
+    bench.send(PauseCommand(type="pause"))
+    bench.go(0.1)
+    with pytest.raises(CommandError, match="the filter is paused"):
+        bench.send(FAR)
+    bench.send(ResumeCommand(type="resume"))
+    bench.go(0.1)
+    bench.send(FAR)
+
+
+def test_while_a_map_is_drawn_there_is_no_journey(bench):
+    grid = bench.program.field.occupancy(0.05)
+    bench.program.engine.drawn.put(DrawnMap(1.0, grid, Pose2()))
+    bench.go(0.1)
+    with pytest.raises(CommandError, match="a map is drawn"):
+        bench.send(FAR)
+
+
+def test_a_robot_without_a_journey_shows_nothing_and_its_camera_may_rest(bench):
+    bench.go(0.2)
+    assert "navigation" not in bench.now.added
+    assert not bench.program.engine._companions.need_pictures
+    bench.send(RENEW)
+    bench.go(0.2)
+    assert bench.now.mode == "idle"

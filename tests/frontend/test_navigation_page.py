@@ -1,0 +1,88 @@
+"""Goals on the map: a drag sends the robot there, and the page says how far it is."""
+
+import math
+
+import pytest
+from browsing import opened
+from playwright.sync_api import expect
+from serving import ask, serving, until
+
+pytestmark = [pytest.mark.browser, pytest.mark.slow]
+
+GOAL = (0.2, 0.15)
+
+
+@pytest.fixture(scope="module")
+def server():
+    with serving("--robot", "sim", "--map", "square", "--seed", "3") as running:
+        yield running
+
+
+@pytest.fixture
+def page(browser, server):
+    yield from opened(browser, server, width=1200, height=800, view=False)
+
+
+def drag(page, start, end):
+    """Press at a place on the map [m], drag to another one, release."""
+    (u, v), (to_u, to_v) = (
+        page.evaluate("([x, y]) => window.brickpose.mapPixel(x, y)", list(place))
+        for place in (start, end)
+    )
+    page.mouse.move(u, v)
+    page.mouse.down()
+    page.mouse.move(to_u, to_v, steps=4)
+    page.mouse.up()
+
+
+def test_a_drag_on_the_map_sends_the_robot_there_and_it_arrives(page, server):
+    page.get_by_role("button", name="go to", exact=True).first.click()
+    drag(page, GOAL, (GOAL[0], GOAL[1] + 0.2))
+    expect(page.locator("#journey-text")).to_contain_text("left")
+    expect(page.locator("#journey-text")).to_have_text("goal: arrived")
+    expect(page.locator("#journey-cancel")).to_be_hidden()
+    truth = page.evaluate("() => window.brickpose.telemetry.truth")
+    # A pixel of the map is some millimetres.
+    assert math.dist((truth["x"], truth["y"]), GOAL) < 0.008
+    assert abs(truth["theta"] - math.pi / 2) < 0.05
+
+
+def test_cancel_ends_the_journey(page, server):
+    page.get_by_role("button", name="type a pose").click()
+    for name, value in (("pose-x", "-300"), ("pose-y", "-250"), ("pose-heading", "0")):
+        page.locator(f"#{name}").fill(value)
+    page.locator("#numbers-goal").click()
+    expect(page.locator("#journey-text")).to_contain_text("left")
+    page.locator("#journey-cancel").click()
+    expect(page.locator("#journey-text")).to_contain_text("canceled; somebody canceled it")
+    with server.live() as socket:
+        until(socket, lambda now: now["mode"] == "idle")
+
+
+def test_a_goal_on_tape_is_refused_and_the_page_says_why(page, server):
+    page.get_by_role("button", name="go to", exact=True).first.click()
+    drag(page, (0.5, 0.0), (0.6, 0.0))
+    expect(page.locator("#toasts")).to_contain_text("on a wall")
+
+
+def test_a_page_that_is_closed_stops_the_robot(browser, server):
+    context = browser.new_context(viewport={"width": 1200, "height": 800})
+    page = context.new_page()
+    page.goto(server.url)
+    page.wait_for_function("window.brickpose?.connected && window.brickpose?.telemetry?.estimate")
+    page.get_by_role("button", name="go to", exact=True).first.click()
+    drag(page, (-0.3, -0.2), (-0.3, 0.0))
+    expect(page.locator("#journey-text")).to_contain_text("left")
+    context.close()
+    with server.live() as socket:
+        told = until(socket, lambda now: now["navigation"]["state"] == "canceled")
+    assert told["mode"] == "idle"
+
+
+def test_a_program_sends_its_goal_once(server):
+    with server.live() as socket:
+        goal = {"x": 0.0, "y": 0.0, "theta": 0.0}
+        assert ask(socket, type="navigate", poses=[goal])["type"] == "ack"
+        told = until(socket, lambda now: now["navigation"]["state"] not in ("planning", "waiting"))
+        assert told["navigation"]["state"] == "driving"
+        until(socket, lambda now: now["navigation"]["state"] == "arrived")

@@ -1,0 +1,184 @@
+"""A navigator by itself: an ideal robot, and beliefs that are made up."""
+
+import math
+
+import pytest
+
+from app.settings.config import MAPS
+from robot.description.spec import RobotSpec
+from robot.fields.field_loading import load_field
+from robot.geometry import Pose2, Twist2
+from robot.localization.estimate import Integrity, State
+from robot.navigation.free_space import FreeSpace
+from robot.navigation.navigator import Goal, Navigator, Sensed
+from robot.navigation.planning import NoWayError
+from robot.navigation.settings import NavigationSettings
+from robot.navigation.timed_way import Limits
+
+TICK = 0.02
+SURE = Integrity(State.CERTAIN, 0.01, 0.02)
+LIMITS = Limits(0.2, 0.48, 0.5, 1.8, 3.2, 0.33, 0.056)
+SETTINGS = NavigationSettings(command_lag=0.02)
+FREE = FreeSpace.of(load_field("square", MAPS), RobotSpec.load().outline, SETTINGS)
+
+
+class Ideal:
+    """A robot that does at once what it is told."""
+
+    def __init__(self, *goals: Goal, repeat=False) -> None:
+        self.navigator = Navigator(goals, SETTINGS, LIMITS, radius=FREE.radius, repeat=repeat)
+        self.pose, self.twist, self.stamp = Pose2(), Twist2(), 0.0
+        self.believed = SURE
+        self.seen = math.inf
+        self.states: list[tuple[str, str]] = []
+
+    @property
+    def status(self):
+        return self.navigator.status
+
+    def tick(self, *, hold=False) -> None:
+        self.stamp += TICK
+        now = Sensed(self.stamp, self.pose, self.twist, self.believed, self.seen)
+        job = self.navigator.job(lambda: FREE, now)
+        if job is not None:
+            try:
+                self.navigator.take(job())
+            except NoWayError as error:
+                self.navigator.take(error)
+        if hold:
+            self.navigator.hold(now)
+        self.twist = Twist2() if hold else self.navigator.step(now)
+        self.pose = self.pose @ self.twist.integrate(TICK)
+        if not self.states or self.states[-1] != (self.status.state, self.status.reason):
+            self.states.append((self.status.state, self.status.reason))
+
+    def go(self, seconds: float) -> None:
+        for _ in range(round(seconds / TICK)):
+            if not self.status.active:
+                return
+            self.tick()
+
+
+@pytest.mark.parametrize(
+    "goal", [(0.3, 0.2, 2.0), (-0.2, 0.1, 0.0), (0.01, 0.0, 0.0), (0.0, 0.0, 3.0), (0.0, 0.003, 0)]
+)
+def test_it_arrives_within_its_tolerances(goal):
+    robot = Ideal(Goal(*goal))
+    robot.go(60)
+    assert robot.status.state == "arrived"
+    assert robot.pose.distance_to(Pose2(*goal)) <= SETTINGS.xy_goal_tolerance
+    assert abs(robot.pose.turn_to(Pose2(*goal))) <= SETTINGS.yaw_goal_tolerance
+    assert robot.twist == Twist2()
+    assert [state for state, _ in robot.states] in (
+        ["planning", "driving", "arrived"],
+        ["driving", "arrived"],
+        ["driving", "planning", "driving", "arrived"],
+    )
+
+
+def test_a_place_without_a_heading_is_reached_with_any():
+    robot = Ideal(Goal(0.2, -0.1))
+    robot.go(60)
+    assert robot.status.state == "arrived"
+    assert math.dist((robot.pose.x, robot.pose.y), (0.2, -0.1)) <= SETTINGS.xy_goal_tolerance
+
+
+def test_several_goals_are_passed_in_their_order_and_again_if_wanted():
+    robot = Ideal(Goal(0.2, 0.0, 0.0), Goal(0.2, 0.2, 1.5), repeat=True)
+    passed = []
+    for _ in range(3000):
+        robot.tick()
+        if not passed or passed[-1] != robot.status.number:
+            passed.append(robot.status.number)
+    assert passed[:5] == [0, 1, 0, 1, 0]
+    assert robot.status.active
+
+
+def test_it_says_what_is_left_and_that_is_right():
+    robot = Ideal(Goal(0.35, 0.0, 0.0))
+    robot.tick()
+    robot.tick()
+    seconds, way = robot.status.remaining_s, robot.status.remaining_m
+    began = robot.stamp
+    assert way == pytest.approx(0.35, abs=0.005)
+    robot.go(60)
+    assert robot.stamp - began == pytest.approx(seconds, abs=1.0)
+
+
+@pytest.mark.parametrize("state", [State.LOST, State.SEARCHING, State.AMBIGUOUS])
+def test_without_a_place_it_looks_around_then_stands_and_drives_on_when_it_knows(state):
+    robot = Ideal(Goal(0.3, 0.2, 2.0))
+    robot.go(2.5)
+    assert robot.status.state == "driving"
+    robot.believed = Integrity(state)
+    place = robot.pose
+    robot.tick()
+    assert robot.status.state == "waiting"
+    assert "looks around" in robot.status.reason
+    assert robot.twist.v == 0 < robot.twist.omega
+    robot.go(30)
+    assert robot.twist == Twist2()
+    assert "waits until it knows better" in robot.status.reason
+    assert robot.pose.distance_to(place) < 1e-9
+    robot.believed = SURE
+    robot.go(60)
+    assert robot.status.state == "arrived"
+    assert robot.pose.distance_to(Pose2(0.3, 0.2)) <= SETTINGS.xy_goal_tolerance
+
+
+def test_it_does_not_look_around_where_a_wall_is_near():
+    robot = Ideal(Goal(0.3, 0.2, 2.0))
+    robot.go(1.0)
+    robot.believed, robot.seen = Integrity(State.LOST), FREE.radius
+    robot.tick()
+    assert robot.twist == Twist2()
+    assert "too near to look around" in robot.status.reason
+
+
+def test_it_is_slower_while_its_bound_is_wide():
+    times = []
+    for radius in (0.01, 0.1):  # at the goal it looks around besides, in about ten seconds
+        robot = Ideal(Goal(0.35, 0.0, 0.0))
+        robot.believed = Integrity(State.APPROXIMATE, radius, 0.1)
+        robot.go(120)
+        assert robot.status.state == "arrived"
+        times.append(robot.stamp)
+    assert times[1] > 1.4 * times[0] + 8.0
+
+
+def test_a_robot_that_was_pushed_plans_anew_and_arrives():
+    robot = Ideal(Goal(0.35, 0.0, 0.0))
+    robot.go(2.0)
+    robot.pose = Pose2(robot.pose.x, 0.2, -1.0)
+    robot.go(60)
+    assert robot.status.state == "arrived"
+    assert ("planning", "") in robot.states[1:]
+
+
+def test_without_a_way_it_fails_and_says_why():
+    robot = Ideal(Goal(0.5, 0.0, 0.0))
+    robot.go(1)
+    assert robot.status.state == "failed"
+    assert "on a wall" in robot.status.reason
+
+
+def test_held_it_stands_and_goes_on_where_it_was():
+    robot = Ideal(Goal(0.35, 0.0, 0.0))
+    robot.go(1.5)
+    left = robot.status.remaining_s
+    for _ in range(100):
+        robot.tick(hold=True)
+    assert robot.status.state == "waiting"
+    assert robot.status.remaining_s == pytest.approx(left, abs=0.03)
+    robot.go(60)
+    assert robot.status.state == "arrived"
+
+
+def test_a_canceled_journey_says_so_once():
+    robot = Ideal(Goal(0.35, 0.0, 0.0))
+    robot.go(1.5)
+    robot.navigator.cancel("a test ends it")
+    robot.navigator.cancel("again")
+    assert (robot.status.state, robot.status.reason) == ("canceled", "a test ends it")
+    robot.tick()
+    assert robot.twist == Twist2()
