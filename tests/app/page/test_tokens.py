@@ -10,7 +10,8 @@ import pytest
 from fastapi import FastAPI, Request, WebSocket
 from hypothesis import given
 from hypothesis import strategies as st
-from starlette.types import Message
+from starlette.responses import Response
+from starlette.types import Message, Receive, Scope, Send
 
 from app.page.access import SameOriginOnly
 from app.page.token_guard import SUBPROTOCOL, TokenRequired, role_in
@@ -242,6 +243,46 @@ def test_another_subprotocol_is_handed_on_and_wins(client: Client) -> None:
 def test_a_socket_without_a_token_is_refused(client: Client, path: str) -> None:
     with pytest.raises(ConnectionRefusedError, match="missing or wrong"):
         client.connect(path, [])
+
+
+# --- places
+
+
+def test_who_only_watches_waits_for_a_place_that_comes_free_and_who_drives_never_does() -> None:
+    statuses = asyncio.run(statuses_with_one_place_to_watch())
+    assert statuses == {"watch": 200, "second": 503, "drive": 200, "afterwards": 200}
+
+
+async def statuses_with_one_place_to_watch() -> dict[str, int]:
+    entered, leave = asyncio.Event(), asyncio.Event()
+
+    async def answer_late(scope: Scope, receive: Receive, send: Send) -> None:
+        entered.set()
+        await leave.wait()
+        await Response()(scope, receive, send)
+
+    guard = TokenRequired(answer_late, TOKENS, most_watching=1)
+
+    async def status(token: str) -> int:
+        transport = httpx.ASGITransport(guard)
+        async with httpx.AsyncClient(transport=transport, base_url="http://robot.local") as client:
+            answer = await client.get("/", headers={"Authorization": f"Bearer {token}"})
+        return answer.status_code
+
+    async with asyncio.timeout(20), asyncio.TaskGroup() as tasks:
+        watch = tasks.create_task(status(TOKENS.watch))
+        await entered.wait()
+        second = await status(TOKENS.watch)
+        entered.clear()
+        drive = tasks.create_task(status(TOKENS.drive))
+        await entered.wait()  # while the only place to watch is taken
+        leave.set()
+    return {
+        "watch": watch.result(),
+        "second": second,
+        "drive": drive.result(),
+        "afterwards": await status(TOKENS.watch),
+    }
 
 
 # --- guessing

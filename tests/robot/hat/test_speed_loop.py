@@ -5,7 +5,15 @@ import pytest
 
 from robot.description.wiring import KINDS
 from robot.hat.joint_track import JointTrack
-from robot.hat.speed_loop import HELD_S, HELD_TRAVEL, KICK_S, NOMINAL_SUPPLY, RAIL, SpeedLoop
+from robot.hat.speed_loop import (
+    HELD_S,
+    HELD_TRAVEL,
+    KICK_S,
+    LARGEST_LAG,
+    NOMINAL_SUPPLY,
+    RAIL,
+    SpeedLoop,
+)
 
 DT = 0.01
 
@@ -50,3 +58,17 @@ def test_a_wheel_that_stood_gets_more_duty_for_a_moment(way):
     more = (kind.breakaway - kind.friction) / (RAIL * 8.0 / NOMINAL_SUPPLY)
     assert np.ptp(kicks) == np.ptp(later) == 0
     assert kicks[0] - later[0] == pytest.approx(more)
+
+
+@pytest.mark.parametrize("way", [-1, 1])
+def test_a_wheel_that_is_held_is_pushed_as_for_the_largest_lag_and_no_harder(way):
+    kind, gain, wanted = next(iter(KINDS.values())), 5.0, 300.0
+    loop, track = SpeedLoop(kind, gain), JointTrack()
+    duties = []
+    for tick in range(100):
+        track.report(tick * DT, 0, 0)
+        duties.append(way * loop.update(way * wanted, tick * DT, track, 8.0))
+    pushed = ((wanted + gain * LARGEST_LAG) / kind.free_speed + kind.friction) / (
+        RAIL * 8.0 / NOMINAL_SUPPLY
+    )
+    assert (max(duties), duties[-1]) == pytest.approx((pushed, pushed))

@@ -294,13 +294,14 @@ def test_from_a_cloud_it_takes_mean_and_covariance() -> None:
     assert covariance(f)[0, 0] == pytest.approx(0.75 * 0.05**2 + 0.25 * 0.15**2)
 
 
-def test_from_several_places_it_is_as_wide_as_they_lie_apart() -> None:
+def test_from_several_places_it_is_as_wide_as_they_are_and_lie_apart() -> None:
     f = filter_of()
     narrow = np.diag(np.square([0.01, 0.02, 0.03]))
-    f.set_hypotheses((Hypothesis(0.3, Pose2(0.1), narrow), Hypothesis(0.1, Pose2(0.5), narrow)))
+    f.set_hypotheses((Hypothesis(0.3, Pose2(0.1), narrow), Hypothesis(0.1, Pose2(0.5), 5 * narrow)))
     assert pose(f).x == pytest.approx(0.2)
+    within = (0.75 + 0.25 * 5) * narrow
     between = 0.75 * 0.1**2 + 0.25 * 0.3**2
-    np.testing.assert_allclose(covariance(f), narrow + np.diag([between, 0, 0]), atol=1e-12)
+    np.testing.assert_allclose(covariance(f), within + np.diag([between, 0, 0]), atol=1e-12)
 
 
 def test_scattered_it_is_as_wide_as_the_field() -> None:

@@ -8,14 +8,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from particle_robot import Tracker, standing_tracker, still, tracker_of
-from stub_drive import STUB, Drive
+from stub_drive import DEFAULTS, STUB, Drive
 from told_filters import NARROW, Told
 
 from robot.geometry import Pose2, Twist2
-from robot.localization.filter import Cloud
+from robot.localization.estimate import State
+from robot.localization.filter import Cloud, Setup
+from robot.localization.kalman_filter import KalmanFilter
 from robot.localization.localizer import Localizer
 from robot.localization.models.motion_models import DifferentialMotion
+from robot.localization.monitoring.monitor import Monitor
 from robot.localization.parameters import FilterParameters
+from robot.localization.ray_evidence import RayEvidence
 from robot.localization.refinement import Refinement
 from robot.localization.scan_matching import ScanMatcher
 
@@ -267,3 +271,19 @@ def test_paused_the_cloud_follows_odometry_and_spreads() -> None:
     assert estimate.covariance.trace() > 2 * narrow
     assert f.updates == 0
     assert f.filter.cloud is f.cloud
+
+
+def test_standing_at_another_place_than_it_says_it_is_certain_no_more() -> None:
+    """No scan is due while odometry stands: somebody has carried the robot off."""
+    drive = Drive(Pose2(0.1, 0.0, 0.5))
+    belief = KalmanFilter.of(Setup.of_field(STUB, DEFAULTS), np.random.default_rng(0))
+    monitor = Monitor(RayEvidence.of(STUB, range_max=1.0, sd=0.005))
+    one = Localizer(belief, FilterParameters(), monitor=monitor)
+    one.set_pose(drive.true, NARROW)
+    for _, scan in drive.eight(1.0):
+        one.update(drive.odometry, scan)
+    for elsewhere in (False, True):
+        drive.true = drive.true @ Pose2(theta=0.6 * elsewhere)
+        updates = [one.update(drive.odometry, drive.scan()) for _ in range(10)]
+        assert set(updates) == {None}
+        assert (one.integrity.state is State.CERTAIN) == (not elsewhere)

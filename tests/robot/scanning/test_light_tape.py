@@ -131,6 +131,18 @@ def test_dark_and_light_tape_on_one_grey_floor() -> None:
         assert tuple(bool(one.scan.hit.sum() > 60) for one in seen) == hits
 
 
+def test_a_ray_without_tape_says_only_what_both_searches_would_have_found() -> None:
+    """On a nearly black floor light tape is clear, but dark tape there cannot be told from it."""
+    field = floor(f'<path stroke="{LIGHT}" stroke-width="50" d="M300,-600 V600"/>', "#101010")
+    dark, light, either = (
+        scan(field, Pose2(0, 0, -math.pi), tape_brightness=name).scan.clear
+        for name in ("dark", "light", "either")
+    )
+    assert dark is not None and light is not None and either is not None
+    assert light.max() > 0.9 and dark.max() < 0.1
+    np.testing.assert_array_equal(either, np.minimum(dark, light))
+
+
 @pytest.mark.parametrize("turn", [-0.6, -0.3, 0.0, 0.3, 0.6])
 def test_dashes_are_seen_along_their_line(turn: float) -> None:
     dashed = floor(

@@ -17,6 +17,7 @@ from engine_runs import drive, kinematic
 from app.engine.engine_thread import EngineThread
 from app.engine.program import LocalProgram
 from app.engine.snapshot import Snapshot
+from app.features.control.messages import Go, SentTick
 from app.features.control.remote import RemoteProgram
 from app.messages.commands import PlaceCommand, SetFaultsCommand
 from app.page.serving import build_served
@@ -132,6 +133,15 @@ def test_on_another_field_the_same_process_goes_on():
         second.start()
         newest(following, lambda snapshot: snapshot.stamp > 0.1)
         assert second.stop()
+
+
+def test_a_process_whose_server_is_gone_leaves_its_robot_in_order():
+    """Nobody asks it to stop: the pipe ends, and that has to end the loop."""
+    program = build_served(Config(robot="kinematic", map="stub"))
+    program.process.send(Go())
+    while not isinstance(program.process.read(), SentTick):
+        pass
+    assert program.process.end() == "exit code 0"
 
 
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM])
