@@ -7,7 +7,7 @@ A package declares its features as entry points of the group ``brickpose.feature
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Any
@@ -177,7 +177,16 @@ class Feature:
             "panels": Panel,
             "run_options": RunOptions,
         }
-        for hook, kind in kinds.items():
-            for each in getattr(self, hook):
-                if not isinstance(each, kind):
-                    raise TypeError(f"{hook} has {each!r}; valid is a {kind.__name__}")
+        for hook in fields(self):
+            given = getattr(self, hook.name)
+            if hook.default is None and not (given is None or callable(given)):
+                raise TypeError(f"{hook.name} is {given!r}; valid is a function")
+            if hook.default != ():
+                continue
+            if not isinstance(given, tuple):
+                raise TypeError(f"{hook.name} is {given!r}; valid is a tuple of them")
+            kind = kinds.get(hook.name)
+            for each in given:
+                if not (callable(each) if kind is None else isinstance(each, kind)):
+                    valid = "function" if kind is None else kind.__name__
+                    raise TypeError(f"{hook.name} has {each!r}; valid is a {valid}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -80,24 +81,29 @@ def build_program(
     """
     config, _ = resolve_robot(config)
     field = field or load_field(config.map, MAPS)
-    spec = robot_spec(config)
-    scanner = scanner or LineScanner(spec.floor_view, config.scanner, field.tape)
     added = models_of(config, field)
     path = pose_path(config.start_pose.pose_file, config.robot, field)
     begin = start(config.start_pose, path, field)
-    robot = robot or build_robot(config, spec, field, Streams.of(config.seed).robot, wait)
-    if begin.truth is not None and isinstance(robot, RepositionableRobot):
-        robot.place(begin.truth)
-    engine = build_engine(
-        config,
-        robot,
-        field,
-        scanner,
-        added=added,
-        begin=begin,
-        parameters=config.localization,
-        entries=entries,
-    )
+    if robot is None:
+        rng = Streams.of(config.seed).robot
+        robot = build_robot(config, robot_spec(config), field, rng, wait)
+    with ExitStack() as failing:
+        failing.callback(robot.close)
+        # It knows itself best: a robot that was given, or does not take its description from us.
+        scanner = scanner or LineScanner(robot.spec.floor_view, config.scanner, field.tape)
+        if begin.truth is not None and isinstance(robot, RepositionableRobot):
+            robot.place(begin.truth)
+        engine = build_engine(
+            config,
+            robot,
+            field,
+            scanner,
+            added=added,
+            begin=begin,
+            parameters=config.localization,
+            entries=entries,
+        )
+        failing.pop_all()
     if begin.complaint is not None:
         engine.note(begin.complaint)
     return LocalProgram(engine, robot, field, config, path, choice_of(added))

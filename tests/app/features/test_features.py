@@ -84,12 +84,14 @@ LATE = {
 WITHOUT = [word for feature in OURS.active for word in ("--without", feature.name)]
 BROKEN = {
     "absent": ("nowhere.feature:FEATURE", "ModuleNotFoundError: No module named 'nowhere'"),
-    "exits": ("exits:FEATURE", "SystemExit: 3"),
-    "raises": ("raises:FEATURE", "ZeroDivisionError: division by zero"),
+    "exits": ("exits:FEATURE", "SystemExit: 3 (exits.py:1)"),
+    "raises": ("raises:FEATURE", "ZeroDivisionError: division by zero (raises.py:1)"),
     "other": ("other:FEATURE", "other:FEATURE is a int; valid is a Feature"),
     "renamed": ("renamed:FEATURE", "renamed:FEATURE calls itself paint"),
-    "lab": ("mine:FEATURE", "mine:FEATURE has the name of another feature"),
-    "text": ("text:FEATURE", "TypeError: documents has 'x'; valid is a Path"),
+    "text": ("text:FEATURE", "TypeError: documents has 'x'; valid is a Path (text.py:2)"),
+    "alone": ("alone:FEATURE", "TypeError: routers is Late(target='a:b'); valid is a tuple of"),
+    "plain": ("plain:FEATURE", "TypeError: outlet is 'a:b'; valid is a function"),
+    "names": ("names:FEATURE", "TypeError: checks has 'a:b'; valid is a function"),
     "bare": ("bare:FEATURE", "FileNotFoundError: the panel lamps has no script"),
     "runs": ("runs:FEATURE", "there is a command run already"),
     "sweeps": ("sweeps:FEATURE", "there is a command sweep already"),
@@ -99,6 +101,11 @@ SOURCES = {
     "raises": "1 / 0",
     "other": "FEATURE = 7",
     "renamed": "from app.feature import Feature\nFEATURE = Feature(name='paint', about='paints')",
+    "alone": "from app.feature import *\n"
+    "FEATURE = Feature(name='alone', about='', routers=Late('a:b'))",
+    "plain": "from app.feature import *\nFEATURE = Feature(name='plain', about='', outlet='a:b')",
+    "names": "from app.feature import *\n"
+    "FEATURE = Feature(name='names', about='', checks=('a:b',))",
     "text": "from app.feature import Feature\n"
     "FEATURE = Feature(name='text', about='', documents=('x',))",
     "bare": "from app.feature import *\n"
@@ -169,8 +176,16 @@ def test_features_of_others_that_cannot_be_loaded_are_named_and_the_rest_is_ther
     for name, (_, why) in BROKEN.items():
         begin = f"The feature {name} cannot be used: {why}"
         assert any(failure.startswith(begin) for failure in features.failures), name
-    names = [name for name in BROKEN if name != "lab"]
-    assert find_features(names).failures[0].startswith("The feature lab cannot")
+
+
+def test_two_packages_with_a_feature_of_one_name_are_both_named(tmp_path, monkeypatch):
+    monkeypatch.syspath_prepend(installed(tmp_path, lab="mine:FEATURE"))
+    features = find_features()
+    assert [feature.name for feature in features.active] == NAMES
+    assert features.failures == (
+        "The feature lab of the package strange cannot be used: the package brickpose has one of "
+        "that name; uninstall one of them, or rename its entry point.",
+    )
 
 
 def test_a_feature_whose_parts_fail_harms_no_other(tmp_path, monkeypatch, capsys):
@@ -179,7 +194,8 @@ def test_a_feature_whose_parts_fail_harms_no_other(tmp_path, monkeypatch, capsys
     assert features.failures == ()
     _, failures = features.routers(None)
     assert failures == [
-        "The feature late cannot be used: KeyError: 'lamp'; --without late leaves it out."
+        "The feature late cannot be used: KeyError: 'lamp' (late.py:3); --without late leaves it "
+        "out."
     ]
     problems = [
         finding.message
@@ -214,12 +230,12 @@ def test_a_robot_drives_though_features_are_broken_and_the_page_names_them(tmp_p
 def test_a_broken_feature_is_a_line_of_the_doctor_and_of_an_unknown_command(tmp_path):
     beside = installed(tmp_path, raises="raises:FEATURE", kinds="kinds:FEATURE")
     done = brickpose("doctor", "--robot", "kinematic", beside=beside)
-    broken = "The feature kinds cannot be used: AttributeError: 'int' object has no attribute"
+    broken = "The feature kinds cannot be used: TypeError: a robot is 3; valid is a RobotKind"
     assert f"problem  {broken}" in done.stdout
     run = brickpose("run", "--robot", "kinds", "--port", "0", beside=beside)
     assert "robot is 'kinds'; valid are auto, sim, kinematic, buildhat. " in run.stderr
     assert broken in run.stderr
-    assert f"ok       Features: {', '.join(sorted([*NAMES, 'kinds']))}\n" in done.stdout
+    assert f"ok       Features: {', '.join(NAMES)}\n" in done.stdout
     assert "problem  The feature raises cannot be used: ZeroDivisionError" in done.stdout
     assert done.returncode == 1
     done = brickpose("paint", beside=beside)

@@ -35,7 +35,7 @@ def add_calibrate(command: CommandParser) -> None:
         metavar="RECORDING",
         help="a recorded drive, instead of driving now",
     )
-    drive.add_argument("--robot", metavar="NAME", help="which robot drives (default: sim)")
+    _add_robot(drive, "which robot drives (default: sim)")
     add_map(drive)
     drive.add_argument("--seconds", type=float, metavar="S", help="how long to drive (default: 60)")
     drive.add_argument(
@@ -60,6 +60,10 @@ def add_calibrate(command: CommandParser) -> None:
     add_camera(drive)
     add_config(drive)
     drive.set_defaults(command=_drive)
+
+
+def _add_robot(command: argparse.ArgumentParser, about: str) -> None:
+    command.add_argument("--robot", metavar="NAME", help=about)
 
 
 def _drive(parsed: argparse.Namespace) -> int:
@@ -111,6 +115,7 @@ def _add_lens(kinds: Commands) -> None:
     lens.add_argument(
         "--report", type=Path, metavar="FILE.html", help="the report (default: beside the lens)"
     )
+    _add_robot(lens, "whose profile it is (default: the program's own robot)")
     lens.set_defaults(command=_lens)
 
 
@@ -167,6 +172,7 @@ def _add_mounting(kinds: Commands) -> None:
         metavar="FILE.png",
         help="the picture with the floor's grid (default: beside the profile)",
     )
+    _add_robot(mounting, "whose camera it is (default: that of the program's own robot)")
     mounting.set_defaults(command=_mounting)
 
 
@@ -185,6 +191,7 @@ def _add_undo(kinds: Commands) -> None:
         metavar="PROFILE.toml",
         help="the profile (default: the real robot's own)",
     )
+    _add_robot(undo, "whose own profile (default: that of buildhat)")
     undo.set_defaults(command=_undo)
 
 
@@ -242,7 +249,7 @@ def _mounting(parsed: argparse.Namespace) -> int:
 def _undo(parsed: argparse.Namespace) -> int:
     from app.features.lab.calibrate.undo_command import undo_calibration  # noqa: PLC0415
 
-    return undo_calibration(parsed.profile)
+    return undo_calibration(parsed.profile, vars(parsed).get("robot"))
 
 
 def _given(parsed: argparse.Namespace) -> dict[str, Any]:
