@@ -38,6 +38,8 @@ CORE = tuple(str(ROOT / name) for name in ("app", "robot", "sim"))
 FEATURES = str(ROOT / "app" / "features")
 LIBRARY = str(Path(traceback.__file__).parent)
 """Python's own modules, as those that import."""
+SERVER = frozenset({"anyio", "fastapi", "starlette", "uvicorn"})
+"""What calls the routes of features."""
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -282,17 +284,16 @@ def _place_of(error: BaseException) -> str:
     """Return file and line by which people find a mistake; empty if only ours are known."""
     if isinstance(error, SyntaxError):
         return ""  # its text has both
-    lines = [
-        (_module_of(frame.filename), frame.lineno)
-        for frame in traceback.extract_tb(error.__traceback__)
-        if not _is_ours(frame.filename)
-    ]
+    frames = traceback.extract_tb(error.__traceback__)
+    lines = [(_module_of(each.filename), each.lineno) for each in frames if not _is_ours(each)]
+    lines = [(file, line) for file, line in lines if file.parts[0] not in SERVER]
     own = [(file, line) for file, line in lines if file.parts[0] == lines[0][0].parts[0]]
     return f"{own[-1][0].as_posix()}:{own[-1][1]}" if own else ""
 
 
-def _is_ours(file: str) -> bool:
-    """Whether a file is of the core, or one of Python's own."""
+def _is_ours(frame: traceback.FrameSummary) -> bool:
+    """Whether a frame is of the core, or of Python itself."""
+    file = frame.filename
     library = file.startswith((LIBRARY, "<")) and "site-packages" not in file
     return library or (file.startswith(CORE) and not file.startswith(FEATURES))
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from app.engine.added_models import AddedModels, NewModels
 from app.engine.command_row import CommandRow, collected
@@ -233,7 +233,8 @@ def _command_row(feature: Feature, row: object) -> CommandRow:
     if not isinstance(row, CommandRow):
         raise TypeError(f"a row of the commands is {row!r}; valid is a CommandRow")
     parts = ("apply", "act", "allowed", "check", "check_field")
-    return replace(row, **{part: named(feature, getattr(row, part)) for part in parts})
+    guarded: dict[str, Any] = {part: named(feature, getattr(row, part)) for part in parts}
+    return replace(row, **guarded)
 
 
 def _robot_kind(feature: Feature, kind: RobotKind) -> RobotKind:
