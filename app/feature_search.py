@@ -257,7 +257,7 @@ def _twins(name: str, package: str, other: str) -> str:
 
 def _of_type(kind: type[T], part: object) -> T:
     if not isinstance(part, kind):
-        raise FeatureError(f"it makes a {type(part).__name__}; valid is a {kind.__name__}")
+        raise TypeError(f"it makes a {type(part).__name__}; valid is a {kind.__name__}")
     return part
 
 

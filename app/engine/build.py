@@ -20,6 +20,7 @@ from app.engine.parameter_changes import changed_values
 from app.engine.plugging import companions_of, models_of
 from app.engine.profile_command import calibration_command
 from app.engine.program import LocalProgram
+from app.engine.robot_facts import close_robot
 from app.engine.robots import build_robot, resolve_robot, robot_kind, robot_spec
 from app.engine.start_pose.pose_file import pose_path
 from app.engine.start_pose.start import Start, start
@@ -161,7 +162,7 @@ def build_on_field(
     if not (isinstance(robot, SimulatedRobot) or robot_kind(program.config).is_simulated):
         place = Hypothesis(1.0, field.start, parameters.filter.initial_covariance)
         return build_on_map(program, name, field, place)
-    robot.close()
+    close_robot(robot)
     begins = replace(program.config.start_pose, restore_pose=False, set_initial_pose=False)
     config = replace(program.config, map=name, start_pose=begins)
     following = build_program(config, wait, field=field)

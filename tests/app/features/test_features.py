@@ -20,11 +20,16 @@ from serving import ROOT, drive_until, serving
 from app.command_line import SUBCOMMANDS, main, parse
 from app.command_parser import CommandParser
 from app.engine import plugging
+from app.engine.plugging import plug_in
+from app.engine.robot_kind import RobotKind
 from app.feature import Feature, Guest, Late, Panel, RunOptions, Subcommand
 from app.feature_search import FeatureError, Features, find_features
+from app.features.own_models.named_models import NamedModels
+from app.features.ros.topics import TOPICS
 from app.options import config_from
 from app.settings.config import Config, with_settings
 from app.tools.doctor.command import check_features
+from robot.driving.drive_controller import DriveSettings
 from robot.hooks import FieldSource
 from robot.localization.filter_kinds import OURS as FILTERS
 from robot.settings import SettingError
@@ -125,6 +130,13 @@ SOURCES = {
 }
 
 
+@pytest.fixture
+def put_back():
+    before = plugging.plugged().features
+    yield
+    plug_in(before)
+
+
 def installed(folder: Path, **targets: str) -> Path:
     """A package beside ours, as an installer leaves it."""
     about = folder / "strange-1.0.dist-info"
@@ -205,7 +217,7 @@ def test_a_feature_whose_parts_fail_harms_no_other(tmp_path, monkeypatch, capsys
     assert problems == failures
     number = find_features(["late"])
     assert number.routers(-2)[1][0].startswith(
-        "The feature number cannot be used: it makes a int; valid is a APIRouter"
+        "The feature number cannot be used: TypeError: it makes a int; valid is a APIRouter"
     )
     assert "valid is a Finding" in list(number.findings(Config()))[-1].message
     assert main(["lamp"]) == 1
@@ -241,6 +253,62 @@ def test_a_broken_feature_is_a_line_of_the_doctor_and_of_an_unknown_command(tmp_
     done = brickpose("paint", beside=beside)
     assert done.returncode == 2
     assert "The feature raises cannot be used" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("hooks", "words"),
+    [
+        (
+            {"run_options": (RunOptions(lambda run: run.add_argument("--seed"), id),)},
+            "ArgumentError: argument --seed: conflicting option string",
+        ),
+        ({"settings": dict}, "its settings are a dict; valid is a dataclass"),
+        ({"guests": (lambda config: [3],)}, "it makes a int; valid is a Guest"),
+        ({"documents": (ROOT / "docs" / "design.md",)}, "there is a document 'design.md' already"),
+        ({"documents": (Path("gone.md"),)}, "No such file or directory: 'gone.md'"),
+        (
+            {"models": (lambda config, field: [NamedModels(field, sensors={"beam": id})],)},
+            "there is a model 'beam' already",
+        ),
+        (
+            {"robots": (lambda: [RobotKind(name="sim", about="", build=id)],)},
+            "there is a robot 'sim' already",
+        ),
+        ({"topics": (lambda: [TOPICS[0]],)}, "there is a topic 'scan' already"),
+    ],
+)
+def test_the_doctor_names_what_a_start_would_refuse(hooks, words, put_back):
+    lamps = Feature(name="lamps", about="lamps on the robot", **hooks)
+    features = plug_in(OURS.adding(lamps))
+    problems = [
+        finding.message
+        for finding in check_features(Config(), features)
+        if finding.level == "problem"
+    ]
+    assert len(problems) == 1
+    assert problems[0].startswith("The feature lamps cannot be used: ")
+    assert words in problems[0]
+
+
+def test_settings_with_the_name_of_ours_are_a_problem(put_back):
+    drive = Feature(name="drive", about="", settings=DriveSettings)
+    problems = [str(each) for each in check_features(Config(), plug_in(OURS.adding(drive)))]
+    assert any("a feature cannot have the settings [drive]" in each for each in problems)
+
+
+def test_the_doctor_says_what_others_add(put_back):
+    lamps = Feature(name="lamps", about="lamps on the robot")
+    features = dataclasses.replace(OURS.adding(lamps), packages={"lamps": "brickpose-lamps"})
+    said = [str(each) for each in check_features(Config(), plug_in(features))]
+    assert "ok       lamps, of the package brickpose-lamps: lamps on the robot" in said
+    assert any("kinematic (without, its wheels roll as if on rails)" in each for each in said)
+
+
+def test_the_doctor_goes_on_without_the_robot_that_there_is_not():
+    done = brickpose("doctor", "--robot", "snial")
+    assert "problem  robot is 'snial'; valid are auto, sim" in done.stdout
+    assert "ok       Features: " in done.stdout
+    assert done.returncode == 1
 
 
 @pytest.mark.parametrize(

@@ -17,6 +17,7 @@ from fastapi import APIRouter, FastAPI
 from serving import ask
 from websockets.sync.client import connect
 
+from app.engine.build import build_on_field
 from app.engine.command_row import CommandRow, Part
 from app.engine.driver import Driver
 from app.engine.driving import Programme
@@ -31,7 +32,9 @@ from app.page.outlets import Outlet, Outlets
 from app.page.serving import Server
 from app.page.state import state_router
 from app.page.telemetry import TelemetryWriter
+from app.settings.config import MAPS
 from robot.errors import CommandError
+from robot.fields.field_loading import load_field
 from robot.geometry import Twist2
 
 
@@ -205,6 +208,14 @@ def test_what_cannot_be_closed_is_logged_and_the_others_end(who, caplog):
     assert (first.closed, second.closed) == (1, 1)
     named = program.robot.name if who == "robot" else "lamps"
     assert f"{named} failed at its end" in caplog.text
+
+
+def test_another_field_is_used_though_the_robot_cannot_be_closed():
+    program = kinematic()
+    program.robot.close = lambda: {}["wheel"]
+    following = build_on_field(program, "town", load_field("town", MAPS))
+    assert following.field.name == "town"
+    following.robot.close()
 
 
 def test_a_route_that_fails_is_named():
