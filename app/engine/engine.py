@@ -184,7 +184,7 @@ class Engine(ControlLoop):
             name = str(getattr(command, "type", type(command).__name__))
             try:
                 self._apply(command, self.controls, odometry)
-                self.controls.report(f"command {name}", None)
+                self.controls.report(f"command:{name}", None)
             except RobotError:
                 raise
             except Exception as error:
@@ -199,7 +199,7 @@ class Engine(ControlLoop):
             return
         words = phrase(f"The command {name} failed: {why}")
         if isinstance(error, FeatureError) or not isinstance(error, BrickPoseError):
-            controls.report(f"command {name}", words)
+            controls.report(f"command:{name}", words)
         else:
             controls.problems.note(controls.stamp, words)
 

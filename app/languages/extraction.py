@@ -19,7 +19,7 @@ TELLING = (
     "app/messages/message.py", "app/page",
     "app/features/calibration", "app/features/mapping", "app/features/own_models",
     "app/features/recordings", "app/features/weighing",
-    "app/files.py", "app/settings/conditions.py", "app/settings/faults.py",
+    "app/result_files.py", "app/settings/conditions.py", "app/settings/faults.py",
     "app/settings/field_names.py", "robot/calibration", "robot/description/profile.py",
     "robot/description/unknowns.py", "robot/description/lens_table.py", "robot/cameras",
     "robot/fields", "robot/hat", "robot/interface.py", "robot/localization", "robot/mapping",
