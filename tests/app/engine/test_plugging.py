@@ -262,6 +262,23 @@ def test_the_companion_of_the_document_counts_pictures_without_tape():
     assert value.shown(shown[-1]) == blanks
 
 
+def test_the_command_of_the_document_drives_until_its_programme_ends():
+    document = (ROOT / "docs" / "extending.md").read_text(encoding="utf-8")
+    code: dict[str, Any] = {"__name__": "wave"}
+    exec(re.search(r"```python\n(# wave/commands.py.*?)```", document, re.S)[1], code)
+    wave = Feature(name="wave", about="", commands=(code["rows"],))
+    assert plug_in(plugged().features.adding(wave)).failures == ()
+    program = kinematic(map="square")
+    command = code["WaveCommand"]
+    shown = run(program, 0.02, command(type="wave", start=True))
+    while shown[-1].mode == "wave":
+        shown += run(program, 0.02, command(type="wave"))
+    assert 6.2 < shown[-1].stamp < 6.4
+    turned = [snapshot.twist.omega for snapshot in shown]
+    assert min(turned) < -0.5 < 0.5 < max(turned)
+    assert [snapshot.problems.present for snapshot in shown] == len(shown) * [()]
+
+
 class StrangersFilter(KalmanFilter):
     """A filter of none of our names; the base's ``of`` makes it."""
 
