@@ -172,6 +172,6 @@ def in_words(error: ValidationError, known: Collection[str] = ()) -> str:
     first = error.errors(include_url=False, include_input=False)[0]
     path = ".".join(str(part) for part in first["loc"])
     if first["type"] == "extra_forbidden" and known:
-        valid = ", ".join(known)
+        valid = ", ".join(map(repr, known))  # quoted, they are not translated
         return phrase(f"{path} is unknown; valid are {valid}")
     return f"{path}: {first['msg']}" if path else first["msg"]

@@ -246,7 +246,7 @@ def test_code_speaks_another_language_only_in_its_docstrings() -> None:
     [
         (
             {"type": "undo", "colour": 3},
-            "undo.colour ist unbekannt; gültig sind id, type",
+            "undo.colour ist unbekannt; gültig sind 'id', 'type'",
         ),
         ({"type": "place", "x": 2e4, "y": 0, "theta": 0}, "place.x: Gültig ist höchstens 10000"),
         ({"type": "place", "x": "0", "y": 0, "theta": 0}, "place.x: Gültig ist eine Zahl"),
