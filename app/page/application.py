@@ -19,7 +19,6 @@ from starlette.types import Scope
 from app.engine.plugging import plugged
 from app.messages.answers import AccessMessage
 from app.page.access import SameOriginOnly, own_names
-from app.page.docs_page import docs_page
 from app.page.documents.routes import documents_router
 from app.page.language import language_router, page
 from app.page.listening import most_places
@@ -74,10 +73,6 @@ def _add_page(app: FastAPI, documents: Sequence[Path]) -> None:
     def access(request: Request) -> AccessMessage:
         """What this request's token allows; 401 without one."""
         return AccessMessage.model_validate({"role": role_in(request.scope).value})
-
-    @app.get("/docs", include_in_schema=False)
-    def docs() -> HTMLResponse:
-        return HTMLResponse(docs_page(app.openapi()))
 
     # Windows asks its registry, where any program may have said that scripts are plain text; a
     # browser would not run them.

@@ -107,7 +107,7 @@ class CameraStream:
     async def _encode(self, snapshot: Snapshot, frame: Frame) -> _Picture:
         async with self._lock:
             if self._encoded is None or self._encoded.frame is not frame:
-                self._encoded = await anyio.to_thread.run_sync(_encoded, snapshot, frame)
+                self._encoded = await anyio.to_thread.run_sync(encoded, snapshot, frame)
             return self._encoded
 
 
@@ -116,7 +116,8 @@ async def _until_gone(socket: WebSocket) -> None:
         pass
 
 
-def _encoded(snapshot: Snapshot, frame: Frame) -> _Picture:
+def encoded(snapshot: Snapshot, frame: Frame) -> _Picture:
+    """Return a picture as JPEG, with the edges on it that were scanned."""
     edges, line_scan, scanner = None, snapshot.filter.line_scan, snapshot.filter.scanner
     # A picture that came too late was not scanned: the newest scan is that of an older picture.
     if line_scan is not None and scanner is not None and line_scan.scan.stamp == frame.stamp:

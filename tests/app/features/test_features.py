@@ -45,6 +45,7 @@ NAMES = [
     "control",
     "course",
     "grid_filter",
+    "interface",
     "lab",
     "mapping",
     "own_models",

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import json
+import os
 import signal
 from contextlib import ExitStack
+from pathlib import Path
 
 import cv2
 import httpx
 import numpy as np
 import pytest
-from serving import drive_until, serving, until
+from serving import ServedProgram, drive_until, serving, until
 
 from benchmarks.hat.emulated_hat import EmulatedHat, emulated_hat
 
@@ -34,20 +36,30 @@ def starts(hat, tmp_path_factory):
     cv2.imwrite(str(folder / "floor.png"), np.full((480, 640), 200, np.uint8))
     options = ("--robot", "buildhat", "--serial-port", str(hat.device), "--camera", str(folder))
     with ExitStack() as running:
-        servers = []
+        servers = {}
 
-        def start():
-            if not servers or servers[-1].process.poll() is not None:
-                servers.append(running.enter_context(serving(*options)))
-            return servers[-1]
+        def start(*form: str):
+            if form not in servers or servers[form].process.poll() is not None:
+                for other in servers.values():  # the port is one program's
+                    other.process.terminate()
+                    other.process.wait(15)
+                servers.clear()
+                servers[form] = running.enter_context(serving(*options, *form))
+            return servers[form]
 
         yield start
 
 
 @pytest.fixture
-def driven(hat, starts):
+def form(request) -> tuple[str, ...]:
+    """Options of ``run``: nothing is control in a process of its own."""
+    return getattr(request, "param", ())
+
+
+@pytest.fixture
+def driven(hat, starts, form):
     """A program that drives, and a connection that keeps it driving while it is read from."""
-    server = starts()
+    server = starts(*form)
     with server.live() as live:
         until(live, lambda now: now["robot"]["connected"])
         drive_until(live, SPEED, lambda now: now["twist"]["v"] > 0.95 * SPEED)
@@ -59,6 +71,19 @@ def state(hat: EmulatedHat) -> tuple[float, float]:
     """The board's time [s] and the speed of its fastest motor [degree/s]."""
     now, speeds = hat.motors()
     return now, max(speeds)
+
+
+def control_of(server: ServedProgram) -> int:
+    """Return the number of the process that controls the robot: a fork of the server."""
+    process = Path(f"/proc/{server.process.pid}")
+    children = [
+        Path("/proc", child)
+        for children in process.glob("task/*/children")
+        for child in children.read_text().split()
+    ]
+    words = (process / "cmdline").read_bytes()
+    (control,) = [child for child in children if (child / "cmdline").read_bytes() == words]
+    return int(control.name)
 
 
 def time_to_stop(hat: EmulatedHat, begin: float) -> float:
@@ -133,6 +158,7 @@ def test_a_program_that_hung_takes_no_wheel_for_blocked(hat, driven, seconds):
     drive_until(live, SPEED, lambda now: state(hat)[1] > 200)
 
 
+@pytest.mark.parametrize("form", [(), ("--one-process",)], indirect=True)
 def test_a_program_that_hangs_lets_them_stop(hat, driven):
     server, _ = driven
     server.process.send_signal(signal.SIGSTOP)
@@ -143,6 +169,30 @@ def test_a_program_that_hangs_lets_them_stop(hat, driven):
         server.process.send_signal(signal.SIGCONT)
 
 
+def test_a_control_process_that_hangs_lets_them_stop_and_goes_on(hat, driven):
+    server, live = driven
+    control = control_of(server)
+    os.kill(control, signal.SIGSTOP)
+    begin, _ = state(hat)
+    try:
+        assert time_to_stop(hat, begin) < STOP_S
+    finally:
+        os.kill(control, signal.SIGCONT)
+    drive_until(live, SPEED, lambda now: state(hat)[1] > 200)
+
+
+def test_a_control_process_that_is_killed_leaves_no_motor_turning_and_is_told(hat, driven):
+    server, _ = driven
+    os.kill(control_of(server), signal.SIGKILL)
+    begin, _ = state(hat)
+    assert time_to_stop(hat, begin) < STOP_S
+    with server.live() as live:
+        until(live, lambda now: "ended by SIGKILL" in " ".join(now["problems"]))
+    server.process.terminate()
+    server.process.wait(15)
+
+
+@pytest.mark.parametrize("form", [(), ("--one-process",)], indirect=True)
 @pytest.mark.parametrize("ending", [signal.SIGTERM, signal.SIGKILL])
 def test_a_program_that_ends_leaves_no_motor_turning(hat, driven, ending):
     server, _ = driven

@@ -6,8 +6,8 @@ import pytest
 from fastapi import FastAPI
 
 from app.engine.commands import table
+from app.features.interface.docs_page import docs_page
 from app.messages.telemetry import TelemetryMessage
-from app.page.docs_page import docs_page
 
 
 @pytest.fixture(scope="module")

@@ -7,7 +7,11 @@ from collections.abc import Iterator
 from html import escape
 from typing import Any
 
+from fastapi import APIRouter, Request
+from fastapi.responses import HTMLResponse
+
 from app.engine.plugging import plugged
+from app.engine.program import Program
 from app.messages.schema import schema
 
 STYLE = (
@@ -17,6 +21,17 @@ STYLE = (
     "th,td{text-align:left;vertical-align:top;padding:.3rem .8rem .3rem 0;"
     "border-bottom:1px solid #8884}"
 )
+
+
+def docs_router(program: Program) -> APIRouter:
+    """Return the route of the page; it describes whatever the application has."""
+    router = APIRouter(include_in_schema=False)
+
+    @router.get("/docs")
+    def docs(request: Request) -> HTMLResponse:
+        return HTMLResponse(docs_page(request.app.openapi()))
+
+    return router
 
 
 def docs_page(openapi: dict[str, Any]) -> str:

@@ -1,0 +1,1 @@
+"""The interface for programs as one plain page, ``/docs``."""
