@@ -112,7 +112,7 @@ class Feature:
     name: str
     """The name of its entry point, by which ``--without NAME`` leaves it out."""
     about: str
-    """What it is, in a few words, for ``brickpose doctor``."""
+    """What it is, in a few words: ``brickpose doctor`` shows it of other packages."""
     subcommands: tuple[Subcommand, ...] = ()
     """Commands of ``brickpose``; their names must be new."""
     settings: Callable[[], Any] | None = None

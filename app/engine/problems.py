@@ -14,12 +14,12 @@ CLIENTS_LOG = logging.getLogger("brickpose.clients")
 
 
 @contextmanager
-def failing_alone(who: str) -> Iterator[None]:
+def failing_alone(name: str) -> Iterator[None]:
     """Log what the end of a feature, or of a robot, raises: others have to end, too."""
     try:
         yield
     except Exception:
-        LOG.exception("%s failed at its end", who)
+        LOG.exception("%s failed at its end", name)
 
 
 @dataclass(frozen=True, slots=True)

@@ -55,7 +55,7 @@ class RobotKind:
     name: str
     """What ``--robot`` calls it."""
     about: str
-    """What it is, in a few words, for ``brickpose run --help``."""
+    """What it is, in a few words, for ``brickpose doctor``."""
     build: Callable[[Blueprint], Robot]
     """Builds one, which is active from then on."""
     description: Callable[[], RobotSpec] = RobotSpec.load

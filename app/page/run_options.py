@@ -34,7 +34,8 @@ def add_serving(run: CommandParser) -> None:
         "--robot",
         metavar="NAME",
         help="sim: with physics; kinematic: without, its wheels roll as if on rails; buildhat: the "
-        "real one (default: sim where a physics engine is installed)",
+        "real one; brickpose doctor lists those of other packages, too (default: sim where a "
+        "physics engine is installed)",
     )
     add_serial_port(run)
     add_camera(run)

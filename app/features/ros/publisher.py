@@ -131,7 +131,7 @@ class TopicPublisher:
     def failures(self) -> tuple[str, ...]:
         """Which routes and topics failed in the last ``SHOWN_S`` seconds, or are left out."""
         since = time.monotonic() - SHOWN_S
-        shown = (words for at, words in tuple(self._failures.values()) if at > since)
+        shown = (words for time_s, words in tuple(self._failures.values()) if time_s > since)
         return (*tuple(self._left_out.values()), *shown)
 
     def close(self) -> None:
