@@ -34,8 +34,7 @@ OURS = "brickpose"
 ROOT = Path(__file__).resolve().parents[1]
 PROJECT = ROOT / "pyproject.toml"
 """Of a checkout; beside what is installed from a wheel there may be another package's."""
-CORE = tuple(str(ROOT / name) for name in ("app", "robot", "sim"))
-FEATURES = str(ROOT / "app" / "features")
+OUR_CODE = tuple(str(ROOT / name) for name in ("app", "robot", "sim"))
 LIBRARY = str(Path(traceback.__file__).parent)
 """Python's own modules, as those that import."""
 SERVER = frozenset({"anyio", "fastapi", "starlette", "uvicorn"})
@@ -292,10 +291,10 @@ def _place_of(error: BaseException) -> str:
 
 
 def _is_ours(frame: traceback.FrameSummary) -> bool:
-    """Whether a frame is of the core, or of Python itself."""
+    """Whether a frame is of our own package, or of Python itself."""
     file = frame.filename
     library = file.startswith((LIBRARY, "<")) and "site-packages" not in file
-    return library or (file.startswith(CORE) and not file.startswith(FEATURES))
+    return library or file.startswith(OUR_CODE)
 
 
 def _module_of(file: str) -> Path:

@@ -417,6 +417,7 @@ def test_a_feature_whose_topics_cannot_be_used_is_named_and_the_others_publish(n
     assert topics() == TOPICS
     (failure,) = topic_failures()
     assert failure.startswith("The feature lamps cannot be used")
+    assert ".py" not in failure  # it is our code that refuses
     outlets = Outlets(kinematic())
     assert failure in outlets.failures
     outlets.close()
