@@ -36,6 +36,9 @@ from robot.scan import Scan
 FRAME_OVERDUE = 0.5
 """Time without a picture [s], or three usual periods if longer, after which the camera stalled."""
 
+MUCH_TOO_FAST = 1.1
+"""By so much may a robot's clock run ahead of this computer's: no clock that waits does."""
+
 WARM_UP_TICKS = 500
 """Ticks after which all compiled code is loaded: hundreds of thousands of objects that live as long
 as the program. The garbage collector takes 0.1 s to scan them, and the engine waits meanwhile."""
@@ -130,10 +133,13 @@ class Engine(ControlLoop):
         """Step until ``stop`` is set; the robot is then closed, or handed over."""
         self.audience.leave()  # whoever made the engine
         try:
+            began = 0.0, 0.0
             for count in itertools.count():
                 if stop.is_set():
                     break
-                self.step()
+                stamp = self.step().stamp
+                began = began if count else (time.monotonic(), stamp)
+                self._check_pace(*began, stamp)
                 if count == WARM_UP_TICKS:
                     gc.freeze()
         except Exception as error:
@@ -149,6 +155,13 @@ class Engine(ControlLoop):
         """Return in words which lines of users' files a thread is running."""
         added = self.controls.follower.added
         return [words for models in added if (words := models.running(thread))]
+
+    def _check_pace(self, began: float, first: float, stamp: float) -> None:
+        """Report a robot of others that does not wait: what it does is too fast to be driven."""
+        passed = time.monotonic() - began
+        if self.controls.faults is None and stamp - first > MUCH_TOO_FAST * passed + 1.0:
+            fast = phrase("The robot's clock is too fast: does its read wait until its stamp?")
+            self.controls.report("pace", fast)
 
     def _leave_robot(self) -> None:
         robot = self.controls.robot

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import threading
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from engine_runs import PERFECT, drive, run
@@ -203,6 +206,29 @@ def test_one_that_does_not_say_what_it_applies_stops_with_words(wheels):
     program.robot.write = lambda velocities: wheels
     with pytest.raises(RobotError, match=r"robot's applied velocities are .* finite numbers"):
         program.engine.step()
+
+
+def test_one_that_does_not_wait_is_told():
+    stop = threading.Event()
+
+    def build(blueprint):
+        made = build_kinematic(blueprint)
+
+        def read():
+            reading = made.read()
+            if reading.stamp > 12.0:
+                stop.set()
+            return reading
+
+        return SimpleNamespace(
+            name="Snail", spec=made.spec, read=read, write=made.write, close=made.close
+        )
+
+    assert plug(build=build) == ()
+    engine = build_program(config()).engine
+    engine.run(stop)
+    (problem,) = engine.latest.get().problems.present
+    assert problem.startswith("The robot's clock is too fast: does its read wait")
 
 
 def test_one_that_was_built_is_closed_if_the_program_cannot_be():
