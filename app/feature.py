@@ -77,6 +77,40 @@ class RunOptions:
 
 
 @dataclass(frozen=True)
+class SettingOption:
+    """An option that sets one setting, whose type and default it has; its help is the meaning."""
+
+    path: str
+    """The setting's, as ``ros2.dds``; of the feature's own as ``NAME.setting``."""
+    settings: Callable[[], Any] | None = None
+    """The feature's ``settings``, if it is one of them; none is the program's."""
+    metavar: str | None = None
+    """What help calls its value; none is its name in capitals."""
+    name: str = ""
+    """What is typed after ``--``, with ``_`` for ``-``; none is the setting's name."""
+    replays: bool = False
+    """Whether ``replay`` has it, too."""
+
+    @property
+    def key(self) -> str:
+        """Its name among what was typed."""
+        return self.name or self.path.rpartition(".")[2]
+
+    @property
+    def flag(self) -> str:
+        """What is typed, as ``--pose-file``."""
+        return f"--{self.key.replace('_', '-')}"
+
+    def add(self, parser: ArgumentParser) -> None:
+        """Add it to a command's parser."""
+        Late("app.options:add_setting")(parser, self)
+
+    def apply(self, config: Config, given: Mapping[str, Any]) -> Any:
+        """Return the ``Config`` with what was typed."""
+        return Late("app.options:with_setting")(config, self, given)
+
+
+@dataclass(frozen=True)
 class Guest:
     """A program whose pages come from a site of their own, and open one WebSocket by a link."""
 
@@ -118,7 +152,7 @@ class Feature:
     settings: Callable[[], Any] | None = None
     """Makes its settings with their defaults: a frozen dataclass of ``robot.settings.setting``s.
     Their table in a file of settings has the feature's name; ``Config.group`` returns them."""
-    run_options: tuple[RunOptions, ...] = ()
+    run_options: tuple[RunOptions | SettingOption, ...] = ()
     """Options of the commands that serve the page with a robot."""
     guests: tuple[Callable[[Config], Iterable[Guest]], ...] = ()
     """Each gives programs of other sites that may come in by a link, which is printed."""
@@ -171,11 +205,11 @@ class Feature:
 
     def __post_init__(self) -> None:
         """Refuse what would fail only later, where it is used."""
-        kinds: dict[str, type] = {
-            "subcommands": Subcommand,
-            "documents": Path,
-            "panels": Panel,
-            "run_options": RunOptions,
+        kinds: dict[str, tuple[type, ...]] = {
+            "subcommands": (Subcommand,),
+            "documents": (Path,),
+            "panels": (Panel,),
+            "run_options": (RunOptions, SettingOption),
         }
         for hook in fields(self):
             given = getattr(self, hook.name)
@@ -185,8 +219,8 @@ class Feature:
                 continue
             if not isinstance(given, tuple):
                 raise TypeError(f"{hook.name} is {given!r}; valid is a tuple of them")
-            kind = kinds.get(hook.name)
+            known = kinds.get(hook.name)
             for each in given:
-                if not (callable(each) if kind is None else isinstance(each, kind)):
-                    valid = "function" if kind is None else kind.__name__
+                if not (isinstance(each, known) if known else callable(each)):
+                    valid = " or a ".join(one.__name__ for one in known or ()) or "function"
                     raise TypeError(f"{hook.name} has {each!r}; valid is a {valid}")

@@ -3,32 +3,64 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Mapping
+import functools
+from collections.abc import Iterable, Mapping
+from copy import deepcopy
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from app.feature import SettingOption
 from app.settings.conditions import apply_condition, condition_names
-from app.settings.config import Config, load_config
+from app.settings.config import Config, as_table, load_config
+from robot.settings import describe
 
-OPTIONS = ("robot", "profile", "host", "port", "seed")
-"""Options that set the top-level settings of the same names."""
-
-START_OPTIONS = ("restore_pose", "pose_file")
-"""Options that set the settings of the same names in ``start_pose``."""
-
-Commands = Any
-"""What ``add_subparsers`` returns."""
-
-
-def add_map(command: argparse.ArgumentParser) -> None:
-    """Add the option for the field."""
-    command.add_argument(
-        "--map",
-        metavar="NAME|FILE",
-        help="a field of maps/, generated-N (from a seed), or an .svg or .yaml file "
-        f"(default: {Config().map})",
+SETTINGS = {
+    option.key: option
+    for option in (
+        SettingOption("robot", metavar="NAME"),
+        SettingOption("build_hat.serial_port", metavar="DEVICE"),
+        SettingOption("camera.source", metavar="SOURCE", name="camera"),
+        SettingOption("map", metavar="NAME|FILE"),
+        SettingOption("host"),
+        SettingOption("port"),
+        SettingOption("seed", metavar="N"),
+        SettingOption("profile", metavar="PROFILE.toml"),
+        SettingOption("start_pose.restore_pose"),
+        SettingOption("start_pose.pose_file", metavar="FILE"),
     )
+}
+"""Options that set settings, by what is typed."""
+
+
+def add_settings(command: argparse.ArgumentParser, *names: str) -> None:
+    """Add options of ``SETTINGS``."""
+    for name in names:
+        add_setting(command, SETTINGS[name])
+
+
+def add_setting(command: argparse.ArgumentParser, option: SettingOption) -> None:
+    """Add the option of a setting.
+
+    Raises:
+        LookupError: there is no such setting, or its type is none that can be typed.
+    """
+    tables = option.path.split(".")
+    name = tables.pop()
+    own = option.settings and option.settings()
+    try:
+        group: Any = functools.reduce(getattr, tables[1:] if own else tables, own or Config())
+        known, default = describe(group)[name], getattr(group, name)
+        kind: dict[str, Any] = {"action": "store_true"}
+        if default is not False:
+            kind = {"type": {str: str, int: int, float: float}[type(default)]}
+            kind["metavar"] = option.metavar
+    except (AttributeError, KeyError, TypeError) as error:
+        raise LookupError(f"no option can set {option.path}; valid is a setting's path") from error
+    words = known.meaning[0].lower() + known.meaning[1:] + (known.unit and f" [{known.unit}]")
+    if default is not False and default != "":
+        words += f" (default: {default})"
+    command.add_argument(option.flag, help=words.replace("%", "%%"), **kind)
 
 
 def add_condition(command: argparse.ArgumentParser, *, many: bool = False) -> None:
@@ -43,79 +75,47 @@ def add_condition(command: argparse.ArgumentParser, *, many: bool = False) -> No
     )
 
 
-def add_profile(command: argparse.ArgumentParser) -> None:
-    """Add the option for the robot's profile."""
-    command.add_argument(
-        "--profile",
-        metavar="PROFILE.toml",
-        help="what `brickpose calibrate` has measured of the robot; none: it is as described "
-        "(default: the real robot's own, see docs/calibration.md)",
-    )
-
-
 def add_config(command: argparse.ArgumentParser) -> None:
     """Add the option for a file of settings."""
-    command.add_argument(
-        "--config",
-        type=Path,
-        metavar="FILE.toml",
-        help="settings (docs/configuration.md); options win over them",
-    )
-
-
-def add_address(command: argparse.ArgumentParser) -> None:
-    """Add the options for the address of the page."""
-    default = Config()
-    command.add_argument(
-        "--host", help=f"address to listen on; 0.0.0.0 is all (default: {default.host})"
-    )
-    command.add_argument(
-        "--port",
-        type=int,
-        help=f"port to listen on; 0 is any free one (default: {default.port})",
-    )
-
-
-def add_serial_port(command: argparse.ArgumentParser) -> None:
-    """Add the option for the Build HAT's serial port."""
-    command.add_argument(
-        "--serial-port",
-        metavar="DEVICE",
-        help="the Build HAT's serial port (default: that of this Pi)",
-    )
-
-
-def add_camera(command: argparse.ArgumentParser) -> None:
-    """Add the option for the real robot's camera."""
-    command.add_argument(
-        "--camera",
-        metavar="SOURCE",
-        help="the real robot's camera: pi, /dev/video0, a folder of pictures, a video file "
-        "(default: the first that delivers pictures)",
-    )
+    words = "settings (docs/configuration.md); options win over them"
+    command.add_argument("--config", type=Path, metavar="FILE.toml", help=words)
 
 
 def config_from(parsed: argparse.Namespace) -> Config:
     """Return the configuration of the file, if one is given, overridden by the other options."""
     given = vars(parsed)
-    config = config_of(given)
-    over = {name: given[name] for name in OPTIONS if name in given}
-    over_start = {name: given[name] for name in START_OPTIONS if name in given}
-    config = replace(config, start_pose=replace(config.start_pose, **over_start))
-    if "serial_port" in given:
-        over["build_hat"] = replace(config.build_hat, serial_port=given["serial_port"])
-    if "camera" in given:
-        over["camera"] = replace(config.camera, source=given["camera"])
-    config = replace(config, **over)
+    config = config_of(given, SETTINGS)
     if "features" in given:
         config = given["features"].with_run_options(config, given)
     return apply_condition(config, given["condition"]) if "condition" in given else config
 
 
-def config_of(given: dict[str, Any]) -> Config:
-    """Return the configuration of the file, if one is given, overridden by map and profile."""
+def config_of(given: dict[str, Any], names: Iterable[str] = ("map", "profile")) -> Config:
+    """Return the configuration of the file, if one is given, overridden by named options."""
     config = config_file(given)
-    return replace(config, **{name: given[name] for name in ("map", "profile") if name in given})
+    for name in names:
+        config = with_setting(config, SETTINGS[name], given)
+    return config
+
+
+def with_setting(config: Config, option: SettingOption, given: Mapping[str, Any]) -> Config:
+    """Return the configuration with a setting, if its option was typed.
+
+    Raises:
+        SettingError: the value is invalid.
+    """
+    if option.key in given and option.settings is None:
+        config = _replaced(config, option.path, given[option.key])
+    elif option.key in given and option.settings is not None:
+        added = as_table({option.path: given[option.key]}, deepcopy(dict(config.added)))
+        config = replace(config, added=added)
+        config.group(option.path.partition(".")[0], option.settings())
+    return config
+
+
+def _replaced(group: Any, path: str, value: Any) -> Any:
+    name, _, rest = path.partition(".")
+    return replace(group, **{name: _replaced(getattr(group, name), rest, value) if rest else value})
 
 
 def config_file(given: Mapping[str, Any]) -> Config:

@@ -11,6 +11,7 @@ from importlib.abc import MetaPathFinder
 from importlib.machinery import ModuleSpec, PathFinder, SourceFileLoader
 from pathlib import Path
 from types import CodeType, ModuleType
+from typing import TypeGuard
 
 ROOT = Path(__file__).parents[1]
 ROOMS = ("robot", "sim", "app/engine")
@@ -52,17 +53,32 @@ class Constant:
         return any(_place(each, self.name) is not None for each in ast.parse(self._source).body)
 
     @property
-    def is_compiled(self) -> bool:
-        """Whether compiled code may have it built in: its module compiles, or one that imports it.
+    def compiled_users(self) -> tuple[tuple[str, str], ...]:
+        """The compiled functions that have it built in, or call one that has: module and name.
 
         numba knows constants as they are when it compiles, and keeps what it has compiled.
         """
         importing = re.compile(
             rf"^from {re.escape(self.module)} import (\([^)]*|.*)\b{self.name}\b", re.MULTILINE
         )
-        others = [Constant(module, "")._source for module in _modules()]
-        users = [self._source, *(text for text in others if importing.search(text))]
-        return any("@compiled(" in text for text in users)
+        functions = []
+        users = []
+        for module in _modules():
+            source = Constant(module, "")._source
+            if "@compiled(" not in source:
+                continue
+            tree = ast.parse(source)
+            own = [(module, each) for each in tree.body if _is_compiled(each)]
+            functions += own
+            if module == self.module or importing.search(source):
+                read = _made_of(self.name, tree)
+                users += [(module, each) for module, each in own if _names(each, ast.Load) & read]
+        while True:
+            called = {each.name for _, each in users}
+            more = [each for each in functions if each not in users and _calls(each[1], called)]
+            if not more:
+                return tuple((module, each.name) for module, each in users)
+            users += more
 
     def change(self, value: str) -> None:
         """Let the module, once it is imported, have another value.
@@ -118,6 +134,30 @@ def _place(statement: ast.stmt, name: str) -> int | None:
     target = statement.targets[0]
     names = [ast.unparse(each) for each in getattr(target, "elts", [target])]
     return names.index(name) if name in names else None
+
+
+def _is_compiled(statement: ast.stmt) -> TypeGuard[ast.FunctionDef]:
+    return isinstance(statement, ast.FunctionDef) and any(
+        ast.unparse(each).startswith("compiled(") for each in statement.decorator_list
+    )
+
+
+def _made_of(name: str, tree: ast.Module) -> set[str]:
+    """Return a constant's name, and those of a module's constants that are made of it."""
+    made = {name}
+    for statement in tree.body:
+        if isinstance(statement, ast.Assign) and _names(statement, ast.Load) & made:
+            made |= _names(statement, ast.Store)
+    return made
+
+
+def _calls(function: ast.FunctionDef, names: set[str]) -> bool:
+    return bool(_names(function, ast.Load) & names)
+
+
+def _names(statement: ast.stmt, context: type[ast.expr_context]) -> set[str]:
+    names = (each for each in ast.walk(statement) if isinstance(each, ast.Name))
+    return {name.id for name in names if isinstance(name.ctx, context)}
 
 
 def _changed(tree: ast.Module, name: str, value: str) -> ast.Module:

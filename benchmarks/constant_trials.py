@@ -66,6 +66,11 @@ def recorded(kept: Path | None) -> list[ConstantTrial]:
     return trials
 
 
+def few(trials: list[ConstantTrial]) -> list[ConstantTrial]:
+    """Return a drive in each condition: a robot that is carried off."""
+    return [t for t in trials if t.config.seed == SEEDS[0] and t.start == "carried"]
+
+
 def _without_pictures(trial: TrialDrive) -> TrialDrive:
     """Return a drive without the pictures of its line scans, which would be gigabytes."""
     ticks = [
@@ -87,7 +92,7 @@ def tried(trials: list[ConstantTrial], other_numbers: int) -> dict[str, Any]:
         config = replace(trial.config, seed=trial.config.seed + other_numbers)
         followed.append((trial, follow_claims(trial.drive, config, trial.start)))
     lines = [line for _, claims in followed for line in claims_csv(claims).splitlines()]
-    return figures(followed) | {"claims": [zlib.crc32(line.encode()) for line in lines]}
+    return figures(followed) | {"each": [zlib.crc32(line.encode()) for line in lines]}
 
 
 def figures(followed: list[tuple[ConstantTrial, Claims]]) -> dict[str, float]:

@@ -78,8 +78,8 @@ def measure() -> Result:
 
 def _counted(part: str) -> float:
     """Return how many instructions a part takes for a second [million]."""
-    once, twice = (_run(part, count * SECONDS) for count in (1, 2))
-    return (twice - once) / SECONDS / 1e6
+    short, long = (_run(part, count * SECONDS) for count in (1, 2))
+    return (long - short) / SECONDS / 1e6
 
 
 def _run(part: str, seconds: int) -> int:
@@ -103,9 +103,9 @@ def _run(part: str, seconds: int) -> int:
         )
     except FileNotFoundError as error:
         raise PackageError("valgrind is not installed: sudo apt install valgrind") from error
-    found = COUNTED.search(done.stderr)
-    assert found is not None, done.stderr
-    return int(found[1].replace(",", ""))
+    counted = COUNTED.search(done.stderr)
+    assert counted is not None, done.stderr
+    return int(counted[1].replace(",", ""))
 
 
 class Recorded:

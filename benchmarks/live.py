@@ -1,4 +1,4 @@
-"""Benchmark of how late the control loop is, beside all that a server does.
+"""Live benchmark: how late the control loop is, beside all that a server does.
 
 Both forms are measured in one run: control in a process of its own, and in the one that serves.
 """
@@ -42,15 +42,15 @@ def measure() -> Result:
     A viewer receives everything that the page receives: telemetry, pictures and the messages of the
     3D view. Viewers run on this machine, too; all others are threads of the serving process.
     """
-    two, rates = _in_turns(one_process=False)
-    one, _ = _in_turns(one_process=True)
-    more = {f"{name}, two processes [ms]": value for name, value in two.items()}
-    more |= {f"{name}, one process [ms]": value for name, value in one.items()}
+    apart, rates = _in_turns(one_process=False)
+    joined, _ = _in_turns(one_process=True)
+    more = {f"{name}, two processes [ms]": value for name, value in apart.items()}
+    more |= {f"{name}, one process [ms]": value for name, value in joined.items()}
     few = f"{VIEWERS} viewers"
     return Result(
         unit=f"ms p99 delay of a tick with {few}, control in a process of its own",
-        brickpose=two[few],
-        peer={"without viewers": two["nothing"], f"with {few}, in one process": one[few]},
+        brickpose=apart[few],
+        peer={"without viewers": apart["nothing"], f"with {few}, in one process": joined[few]},
         more={**more, **rates},
     )
 
@@ -97,11 +97,11 @@ def _thread(work: Callable[[], object]) -> Iterator[None]:
     """Do work again and again in a thread of this process."""
     over = threading.Event()
 
-    def again() -> None:
+    def repeat() -> None:
         while not over.is_set():
             work()
 
-    thread = threading.Thread(target=again, name="disturbance")
+    thread = threading.Thread(target=repeat, name="disturbance")
     thread.start()
     try:
         yield

@@ -114,12 +114,12 @@ def compare(noise: float, pictures: int, rounds: int = 1) -> dict[str, ScanScore
     """Run all methods on the same pictures of one noise [grey levels]; ours comes first."""
     view = RobotSpec.load().floor_view
     methods = _methods(view)
-    trials = _trials(view, load_field("square", MAPS), noise, pictures)
+    seen = trials(view, load_field("square", MAPS), noise, pictures)
     times = np.empty((len(methods), rounds, pictures))
     ranges: dict[str, list[Array]] = {name: [] for name in methods}
     for scan in methods.values():
-        scan(trials[0].picture)
-    for number, (place, trial) in product(range(rounds), enumerate(trials)):
+        scan(seen[0].picture)
+    for number, (place, trial) in product(range(rounds), enumerate(seen)):
         for method, (name, scan) in enumerate(methods.items()):
             # A fresh copy, as from a camera: else only the first method would wait for the memory.
             picture = trial.picture.copy()
@@ -130,17 +130,21 @@ def compare(noise: float, pictures: int, rounds: int = 1) -> dict[str, ScanScore
                 ranges[name].append(result)
     medians = np.median(times.min(axis=1), axis=1)
     return {
-        name: _score(float(seconds), ranges[name], trials)
+        name: score(float(seconds), ranges[name], seen)
         for name, seconds in zip(methods, medians, strict=True)
     }
 
 
-def _trials(view: FloorView, field: Field, noise: float, pictures: int) -> list[Trial]:
-    camera = FloorCamera(view, field.floor, CameraSettings(noise=noise), np.random.default_rng(1))
+def trials(
+    view: FloorView, field: Field, noise: float, pictures: int, seed: int = 0
+) -> list[Trial]:
+    """Return pictures of a field from anywhere, of a noise [grey levels]."""
+    rng = np.random.default_rng(seed + 1)
+    camera = FloorCamera(view, field.floor, CameraSettings(noise=noise), rng)
     table = LineScanner(view, LineScannerSettings()).table
     limits = table.limits
-    trials = []
-    for values in field.free_poses(np.random.default_rng(0), pictures):
+    seen = []
+    for values in field.free_poses(np.random.default_rng(seed), pictures):
         pose = Pose2.from_array(values)
         directions = heading_vectors(pose.theta + table.bearings)
         origin = np.array([pose.x, pose.y])
@@ -149,8 +153,8 @@ def _trials(view: FloorView, field: Field, noise: float, pictures: int) -> list[
         leaving = crossings(origin, directions, field.edges[:, [2, 3, 0, 1]])
         ends = np.where(leaving > begins[:, None], leaving, np.inf).min(axis=1)
         in_view = (begins > limits[:, 0] + IN_VIEW[0]) & (ends < limits[:, 1] - IN_VIEW[1])
-        trials.append(Trial(camera.picture(pose, Twist2()), entries, in_view))
-    return trials
+        seen.append(Trial(camera.picture(pose, Twist2()), entries, in_view))
+    return seen
 
 
 def crossings(origin: Array, directions: Array, edges: Array) -> Array:
@@ -165,10 +169,11 @@ def crossings(origin: Array, directions: Array, edges: Array) -> Array:
     return np.where(entered, distance, np.inf)
 
 
-def _score(seconds: float, ranges: list[Array], trials: list[Trial]) -> ScanScore:
+def score(seconds: float, ranges: list[Array], seen: list[Trial]) -> ScanScore:
+    """Return the figures of a method's ranges in pictures, and of its time."""
     returns = np.concatenate(ranges)
-    entries = np.concatenate([trial.entries for trial in trials])
-    in_view = np.concatenate([trial.in_view for trial in trials])
+    entries = np.concatenate([trial.entries for trial in seen])
+    in_view = np.concatenate([trial.in_view for trial in seen])
     hit = np.isfinite(returns)
     differences = returns[hit, None] - entries[hit]
     errors = differences[np.arange(len(differences)), np.abs(differences).argmin(axis=1)]

@@ -89,13 +89,18 @@ def rays_of(scan: Scan, most: int) -> Array:
 
     ``robot.ray_columns`` names the columns.
     """
-    used = evenly(len(scan.ranges), most)
-    rays = np.empty((len(used), column.NUMBER))
+    rays: Array = _rays_of(scan)[evenly(len(scan.ranges), most)]
+    return rays
+
+
+@lru_cache(maxsize=32)
+def _rays_of(scan: Scan) -> Array:
+    """Return all rays of a scan (n, 9), which many ask for: each track, check and search."""
+    rays = np.empty((len(scan.ranges), column.NUMBER))
     rays[:, column.X], rays[:, column.Y] = scan.robot_from_scan.x, scan.robot_from_scan.y
-    rays[:, column.DIRECTION] = scan.robot_from_scan.theta + scan.bearings[used]
-    rays[:, column.RANGE] = scan.ranges[used]
-    sight, hidden = rays[:, column.NEAR :], rays[:, column.HIDDEN_FROM :]
-    sight[:, :2] = (0.0, np.inf) if scan.sight is None else scan.sight[used]
-    rays[:, column.CLEAR] = 1.0 if scan.clear is None else scan.clear[used]
-    hidden[:, :2] = (np.inf, -np.inf) if scan.hidden is None else scan.hidden[used]
+    rays[:, column.DIRECTION] = scan.robot_from_scan.theta + scan.bearings
+    rays[:, column.RANGE] = scan.ranges
+    rays[:, column.NEAR : column.CLEAR] = (0.0, np.inf) if scan.sight is None else scan.sight
+    rays[:, column.CLEAR] = 1.0 if scan.clear is None else scan.clear
+    rays[:, column.HIDDEN_FROM :] = (np.inf, -np.inf) if scan.hidden is None else scan.hidden
     return rays

@@ -13,10 +13,12 @@ from robot.fields.floor_picture import FloorPicture
 from robot.geometry import Array
 
 DISCS = 25
+"""Number of discs."""
 RADII = (0.006, 0.040)
 """Radii of the discs: many discs have chords as long as tape is wide."""
 
 CABLE_WIDTH = 0.007
+"""[m]"""
 SHADOW = 0.55
 """Share of the light that is left in the shadow."""
 
@@ -27,11 +29,14 @@ SHOE = (0.28, 0.10)
 """Length and width of a shoe."""
 
 PAIRS_OF_SHOES = 3
+"""Number of pairs."""
 DARK = 32
+"""Brightness of things on the floor: as of the tape in maps/, #202225 [grey levels]."""
 
 _SHIFT = 4
 """Number of fractional bits in pixel coordinates for OpenCV."""
 REFLECTIONS = 4
+"""Number of lamps that are seen on the floor."""
 REFLECTION_SD = 0.06
 """Size of a lamp's reflection on the floor: standard deviation of its brightness [m]."""
 

@@ -16,6 +16,7 @@ from sim.clutter import KINDS, add_clutter, add_glare, add_uneven_light
 from sim.floor_samples import FloorSamples
 
 _NOISE_MARGIN = 64
+"""How far the place in the table of noise is moved at random, by row and column [px]."""
 
 
 @dataclass(frozen=True)

@@ -46,6 +46,7 @@ behind its shaft by 0.0006 % of its speed; with 0.99 by 0.06 %."""
 SETTLINGS = 3
 """How often the robot is let settle; after the third nothing moves by more than 0.1 um."""
 SETTLING_STEPS = 100
+"""Steps of the physics, each time."""
 
 SHAFT = 1e3
 """Inertia of a motor's shaft [kg m^2], so large that no wheel slows it."""

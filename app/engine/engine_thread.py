@@ -9,6 +9,7 @@ from app.engine.control import ControlLoop
 from robot.worker_thread import WorkerThread
 
 JOIN_S = 3.0
+"""How long the thread may take to end [s]; a step takes milliseconds."""
 HAND_OVER_S = 0.001
 """Threads hand over Python's lock after this time [s]: no other may delay the engine's step."""
 

@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 KEPT = 100
+"""Problems of the record; older ones are in the log only."""
 LOG = logging.getLogger("brickpose")
 CLIENTS_LOG = logging.getLogger("brickpose.clients")
 """Mistakes of clients: only a few lines of each kind a minute are logged."""

@@ -87,26 +87,30 @@ class Config:
 
     robot: str = setting(
         AUTO,
-        "Which robot: sim, kinematic, buildhat, or one of a feature; auto is sim where physics "
-        "is installed",
+        "Which robot: sim, with physics; kinematic, without: its wheels roll as if on rails; "
+        "buildhat, the real one; or one of a feature; auto is sim where physics is installed",
     )
     map: str = setting(
-        "square", "A field by name, generated-N (from a seed), or a file (.svg, .yaml)"
+        "square", "A field of maps/, generated-N (from a seed), or a file (.svg, .yaml)"
     )
-    host: str = setting("127.0.0.1", "Address to listen on")
-    port: int = setting(8080, "Port to listen on", low=0, high=65535)
+    host: str = setting("127.0.0.1", "Address to listen on; 0.0.0.0 is all")
+    port: int = setting(8080, "Port to listen on; 0 is any free one", low=0, high=65535)
     allowed_origins: tuple[str, ...] = setting(
         (),
         "Other sites whose pages may talk to the robot, as http://localhost:5500; null: from files",
     )
     seed: int = setting(0, "Seed of everything random", low=0, high=2**32 - 1)
-    sensor_model: str = setting("", "A sensor model of your own, as FILE.py:CLASS")
-    motion_model: str = setting("", "A motion model of your own, as FILE.py:CLASS")
+    sensor_model: str = setting(
+        "", "A sensor model of your own, FILE.py:CLASS, read again when saved (docs/own_models.md)"
+    )
+    motion_model: str = setting(
+        "", "A motion model of your own, FILE.py:CLASS, read again when saved (docs/own_models.md)"
+    )
     models: str = setting("", "A folder of models of your own, which the page offers")
     profile: str = setting(
         "",
-        "A robot's profile: what a calibration has measured, a TOML file; none is as described "
-        "(without a setting, a real robot's own)",
+        "What `brickpose calibrate` has measured of the robot, a TOML file; none: it is as "
+        "described (without a setting: a real robot's own, see docs/calibration.md)",
     )
     drive: DriveSettings = DriveSettings()
     figure_eight: FigureEight = FigureEight()

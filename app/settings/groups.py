@@ -161,8 +161,8 @@ class CalibrationSettings:
 class Ros2Settings:
     """Names, rates and reach of the topics."""
 
-    dds: bool = setting(False, "Topics over DDS, for programs of ROS 2 (--ros2)")
-    foxglove: bool = setting(False, "Topics for Foxglove and Lichtblick (--foxglove)")
+    dds: bool = setting(False, "Join ROS 2 as a node, over DDS (docs/ros2.md)")
+    foxglove: bool = setting(False, "Serve Foxglove, at /foxglove on the same port (docs/ros2.md)")
     namespace: str = setting("", "Before the names of all topics, as in robot1/scan")
     domain_id: int = setting(
         -1, "Domain of DDS; -1 takes ROS_DOMAIN_ID, or 0 without it", low=-1, high=232

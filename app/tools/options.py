@@ -6,12 +6,7 @@ import argparse
 
 from app.command_parser import CommandParser
 from app.interruption import interruptible
-from app.options import (
-    add_camera,
-    add_config,
-    add_serial_port,
-    config_from,
-)
+from app.options import add_config, add_settings, config_from
 
 
 def add_doctor(command: CommandParser) -> None:
@@ -21,9 +16,7 @@ def add_doctor(command: CommandParser) -> None:
         "HAT, motors, camera. Nothing turns. Each line is ok, a warning or a problem with its "
         "cure; ends with 1 if there is a problem."
     )
-    command.add_argument("--robot", metavar="NAME", help="which robot is to work here")
-    add_serial_port(command)
-    add_camera(command)
+    add_settings(command, "robot", "serial_port", "camera")
     add_config(command)
     command.set_defaults(command=_doctor)
 

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
+from app.feature import SettingOption
+from app.feature_search import find_features
+from app.options import SETTINGS
 from app.settings.config import ROOT, Config
 from robot.settings import Setting, describe
 
@@ -15,8 +18,9 @@ PAGE = ROOT / "docs" / "configuration.md"
 HEAD = """# Every setting
 
 `brickpose run --config FILE.toml` reads them; a misspelt key is refused with its path. This page is
-made by `python -m app.tools.settings_page`. A feature of another package has a table of its own,
-with its name ([extending.md](extending.md)).
+made by `python -m app.tools.settings_page`. An option of `run` that sets the same stands beside its
+key. A feature of another package has a table of its own, with its name
+([extending.md](extending.md)).
 
 ```toml
 map = "town"
@@ -32,10 +36,14 @@ min_particles = 1000
 
 def page() -> str:
     """Return the whole page."""
-    return HEAD + "".join(_tables(Config(), "")) + "\n"
+    added = (option for feature in find_features().active for option in feature.run_options)
+    options = [*SETTINGS.values(), *(each for each in added if isinstance(each, SettingOption))]
+    flags = {option.path: f" `{option.flag}`" for option in options}
+    return HEAD + "".join(_tables(Config(), "", flags)) + "\n"
 
 
-def _tables(group: Any, path: str) -> Iterator[str]:
+def _tables(group: Any, path: str, flags: Mapping[str, str]) -> Iterator[str]:
+    above = f"{path}." if path else ""
     if describe(group):
         title = f"[{path}]" if path else "Top level"
         yield f"\n## {title}\n\n{(type(group).__doc__ or '').strip()}\n"
@@ -43,12 +51,13 @@ def _tables(group: Any, path: str) -> Iterator[str]:
         for name, known in describe(group).items():
             value = getattr(group, name)
             shown = f"{value:.6g}" if isinstance(value, float) else str(value)
-            cells = f"`{name}`", f"{shown} {known.unit}", _valid(known, value), known.meaning
+            key = f"`{name}`{flags.get(above + name, '')}"
+            cells = key, f"{shown} {known.unit}", _valid(known, value), known.meaning
             yield f"| {' | '.join(cells)} |\n"
     for inner in dataclasses.fields(group):
         value = getattr(group, inner.name)
         if dataclasses.is_dataclass(value):
-            yield from _tables(value, f"{path}.{inner.name}" if path else inner.name)
+            yield from _tables(value, above + inner.name, flags)
 
 
 def _valid(known: Setting, value: object) -> str:

@@ -50,7 +50,7 @@ TOGETHER, ENOUGH, LEAST_LYING = 10, 100, 0.5
 """A path is lost where this many pictures saw at least this many edges, and less than this share of
 them lies on the field's, ..."""
 MOST_SLIP = 0.3
-"""... or where a wheel would have slipped more than this: seven standard deviations."""
+"""... or where a wheel would have slipped more than this, a share: seven of ``SLIP_SD``."""
 
 
 class FieldDrive:

@@ -20,6 +20,7 @@ from robot.geometry import Array, wrap_angle
 STATE = 5
 """Unknowns of a picture: x, y, theta, left slip, right slip."""
 BAND = 2 * STATE - 1
+"""Diagonals beside the main one: neighbouring pictures depend on each other."""
 CAUCHY = 3.0
 """Distance from which on an edge counts less, in standard deviations."""
 LEAST_INFORMATION = 1e-12

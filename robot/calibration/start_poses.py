@@ -23,6 +23,7 @@ BLUR, FARTHEST, CELL = 0.03, 0.2, 0.01
 """Distance from an edge that costs one half, the largest that is told from others, and the size of
 the table's cells [m]."""
 MOST_MINIMA, MOST_STARTS = 60, 5
+"""Most poses that are refined, and most of them that are returned as starts."""
 APART, TURNED = 0.08, math.radians(12)
 """Poses nearer to each other than this are one [m, rad]."""
 NEAR_STEP, NEAR_TURN = 0.03, math.radians(4)

@@ -28,6 +28,7 @@ DOUBT = 5.0
 NEAR = 0.02
 """Edges much farther off than this count less [m]."""
 STEPS = 6
+"""Most Gauss-Newton steps by which a picture is laid on the field."""
 SLIP_STEP, TURN_BY_WAY = 0.16, 1.2
 """Standard deviation of a step between two pictures, as a share of it, and of its turn by its way
 [rad/m]: as if all slip were of one step, four times that of a wheel, as slip lasts for a second."""

@@ -12,7 +12,9 @@ class CameraSourceSettings:
     """The real robot's camera, and how it takes pictures; their size is the lens's."""
 
     source: str = setting(
-        "auto", "Where pictures are from: auto, pi, /dev/video0, a folder of pictures, a video file"
+        "auto",
+        "The real robot's camera: pi, /dev/video0, a folder of pictures, a video file; auto is the "
+        "first that delivers pictures",
     )
     frame_rate: float = setting(30.0, "Pictures a second", unit="1/s", low=1, high=120)
     rotation: int = setting(

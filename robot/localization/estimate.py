@@ -14,7 +14,9 @@ from robot.geometry import Array, Pose2
 
 ONLY_PLACE = 0.95
 """Weight above which a hypothesis counts as the only place. What is claimed, what a search confirms
-and what may be learnt at a place go by the same weight, or they would contradict one another."""
+and what may be learnt at a place go by the same weight, or they would contradict one another. With
+0.9, claims are misleading in 0.8 % of pictures instead of 0.7; with 0.975 in as many (``--few`` of
+``python -m benchmarks.constants``)."""
 
 
 class State(StrEnum):

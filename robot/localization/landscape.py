@@ -16,11 +16,13 @@ from robot.localization.weighing import Weighing
 STEPS = (0.005, 0.01, 0.02, 0.04, 0.08, 0.16, 0.32, 0.64)
 """Sides of cells to choose from [m]."""
 MOST_CELLS = 90_000
+"""Most cells, whatever the time allows: the page draws 300 x 300 of them."""
 BUDGET_S = 0.5
 """Longest time for a landscape [s]; if one would take longer, its cells are larger."""
 PIECE = 4096
 """Poses weighed at the same time: a user's own model may need memory for each ray of each pose."""
 HEADINGS = 360
+"""Headings that are weighed at a place: one a degree."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

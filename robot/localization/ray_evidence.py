@@ -46,12 +46,14 @@ END = 0.06
 ACROSS = 0.06
 """If a ray leaves tape by its end before it crosses this width [m], it may find it too narrow."""
 
-_DUE, _BEHIND, _MET_X, _MET_Y, _SEEN, _THING = range(6)
-"""Columns of what rays meet (n, 6): the distance of the expected edge [m], infinite without one;
-that of the edge behind it [m], if the expected edge may be missed, else infinite; where the ray
-meets the expected edge [m]; 0 if the ray meets no edge, or one that is hidden or at the border of
-its sight, 1 if the edge may be missed at its end, 2 if it should be seen; 1 if something lies there
-that is not drawn, else 0."""
+ROUNDED = 1e-6
+"""More than sums of log-likelihoods differ by rounding."""
+
+_MET_X, _MET_Y, _SEEN, _THING, _HIT = range(5)
+"""Columns of what rays meet (n, 5): where the ray meets the expected edge [m]; 0 if the ray meets
+no edge, or one that is hidden or at the border of its sight, 1 if the edge may be missed at its
+end, 2 if it should be seen; 1 if something lies there that is not drawn, else 0; and the
+log-likelihood of what it returned, 0 without a return."""
 
 
 class RayEvidence(NamedTuple):
@@ -100,61 +102,72 @@ class RayEvidence(NamedTuple):
         """Return the mean log-likelihood of rays (n, 9) at a pose."""
         return float(self.log_likelihoods(pose.to_array()[None], rays)[0])
 
-    def log_likelihoods(self, poses: Array, rays: Array) -> Array:
-        """Return the mean log-likelihood (m,) of rays (n, 9) at each of the poses (m, 3)."""
-        return _at_each(poses, rays, self)
+    def log_likelihoods(self, poses: Array, rays: Array, within: float = math.inf) -> Array:
+        """Return the mean log-likelihood (m,) of rays (n, 9) at each of the poses (m, 3).
+
+        It may be -inf at a pose where it is more than ``within`` below that at an earlier pose.
+        """
+        return ray_log_likelihoods(poses, rays, self, within)
 
 
 @compiled()
-def ray_log_likelihood(pose: Array, rays: Array, evidence: RayEvidence) -> float:
-    """Return the mean log-likelihood of rays (n, 9) at a pose (3,).
+def ray_log_likelihoods(poses: Array, rays: Array, evidence: RayEvidence, within: float) -> Array:
+    """Return the mean log-likelihood (m,) of rays (n, 9) at each of the poses (m, 3).
 
-    Rays that see nowhere do not count. It is 0 if no ray is left.
+    Rays that see nowhere do not count. It is 0 if no ray is left. It may be -inf at a pose where it
+    is more than ``within`` below that at an earlier pose: a third of the rays tell that.
     """
-    dues, range_max = np.empty((len(rays), 6)), evidence.range_max
+    peaks, counted = np.zeros(len(rays)), 0
+    for i in range(len(rays)):
+        if not math.isnan(rays[i, column.NEAR]):
+            counted += 1
+            due = rays[i, column.RANGE] - rays[i, column.NEAR]
+            peaks[i] = _log_hit(rays, i, due, due, 1.0, evidence) if math.isfinite(due) else 0.0
+    logs, best = np.empty(len(poses)), -np.inf
+    for i in range(len(poses)):
+        least = (best - within) * counted - ROUNDED
+        logs[i] = _log_likelihood(poses[i], rays, evidence, peaks, least) / max(counted, 1)
+        best = max(best, logs[i])
+    return logs
+
+
+@compiled()
+def _log_likelihood(
+    pose: Array, rays: Array, evidence: RayEvidence, peaks: Array, least: float
+) -> float:
+    """Return the log-likelihood of rays (n, 9); -inf once it cannot reach ``least`` any more.
+
+    ``peaks`` (n,) are the largest that each ray can have.
+    """
+    index, sight, range_max = evidence.edge_index, evidence.sight, evidence.range_max
+    met, reachable = np.zeros((len(rays), 5)), peaks.sum()
     c, s = math.cos(pose[2]), math.sin(pose[2])
     for i in range(len(rays)):
-        if math.isnan(rays[i, column.NEAR]):
-            dues[i, _SEEN] = 0.0
+        near = rays[i, column.NEAR]
+        if math.isnan(near):
             continue
         heading = pose[2] + rays[i, column.DIRECTION]
         dx, dy = math.cos(heading), math.sin(heading)
-        near, far = rays[i, column.NEAR], min(rays[i, column.FAR], range_max)
         x = pose[0] + c * rays[i, column.X] - s * rays[i, column.Y] + near * dx
         y = pose[1] + s * rays[i, column.X] + c * rays[i, column.Y] + near * dy
-        hidden = rays[i, column.HIDDEN_FROM] - near, rays[i, column.HIDDEN_TO] - near
-        _look((x, y), (dx, dy), far - near, hidden, evidence, dues[i])
-    total, counted = 0.0, 0
+        reach = min(rays[i, column.FAR], range_max) - near
+        thing = rays[i, column.HIDDEN_FROM] - near, rays[i, column.HIDDEN_TO] - near
+        due, behind = _look((x, y), (dx, dy), reach, thing, index, sight, met, i)
+        if math.isfinite(rays[i, column.RANGE]):
+            met[i, _HIT] = _log_hit(rays, i, due, behind, rays[i, column.CLEAR], evidence)
+            reachable += met[i, _HIT] - peaks[i]
+        if reachable < least:
+            return -np.inf
+    total = 0.0
     for i in range(len(rays)):
-        if math.isnan(rays[i, column.NEAR]):
-            continue
-        counted += 1
-        if dues[i, _THING] > 0:
+        if met[i, _THING] > 0:
             total += math.log(THING)
-        due, behind = dues[i, _DUE], dues[i, _BEHIND]
-        result = rays[i, column.RANGE] - rays[i, column.NEAR]
-        if math.isfinite(result):
-            slope = evidence.slope
-            wide = evidence.sd * (1 + slope * rays[i, column.RANGE] * rays[i, column.RANGE])
-            density = UNEXPECTED_SHARE / range_max
-            if math.isfinite(due):
-                density = _density(result - due, wide, range_max, rays[i, column.CLEAR])
-            if math.isfinite(behind):
-                farther = _density(result - behind, wide, range_max, rays[i, column.CLEAR])
-                density = max(density, farther)
-            total += math.log(density)
-        elif dues[i, _SEEN] > 1 and _is_supported(dues, i, evidence.sight.support):
+        if math.isfinite(rays[i, column.RANGE]):
+            total += met[i, _HIT]
+        elif met[i, _SEEN] > 1 and _is_supported(met, i, sight.support):
             missed = evidence.missed
             total += math.log(missed + SEEN * (1 - rays[i, column.CLEAR]) * (1 - missed))
-    return total / max(counted, 1)
-
-
-@compiled()
-def _at_each(poses: Array, rays: Array, evidence: RayEvidence) -> Array:
-    logs = np.empty(len(poses))
-    for i in range(len(poses)):
-        logs[i] = ray_log_likelihood(poses[i], rays, evidence)
-    return logs
+    return total
 
 
 @compiled(inline="always")
@@ -162,43 +175,35 @@ def _look(
     start: tuple[float, float],
     way: tuple[float, float],
     reach: float,
-    hidden: tuple[float, float],
-    evidence: RayEvidence,
-    row: Array,
-) -> None:
-    """Write what a ray meets into ``row`` (6,).
+    thing: tuple[float, float],
+    index: EdgeIndex,
+    sight: Visibility,
+    met: Array,
+    i: int,
+) -> tuple[float, float]:
+    """Write what a ray meets into row ``i`` of ``met`` (n, 5), without its hit.
 
-    Args:
-        start: x and y of where it starts [m].
-        way: x and y of its direction.
-        reach: how far it is followed [m].
-        hidden: from where to where something was seen on it [m].
-        evidence: the field.
-        row: ``_DUE`` to ``_THING``.
+    It is followed as far as ``reach`` [m]; from where to where on it a ``thing`` was seen is in
+    metres as well. Returns the distance of the expected edge [m], infinite without one; and that of
+    the edge behind it, if the expected edge may be missed, else infinite.
     """
     x, y = start
     dx, dy = way
-    hidden_from, hidden_to = hidden
-    index, sight = evidence.edge_index, evidence.sight
-    due, edge = cast_toward(x, y, dx, dy, index, reach)
-    row[_DUE], row[_BEHIND], row[_SEEN], row[_THING] = math.inf, math.inf, 0.0, 0.0
-    covered = hidden_from < hidden_to and not _is_drawn(start, way, hidden, index, sight.inward)
+    covered = thing[0] < thing[1] and not _is_drawn(start, way, thing, index, sight.inward)
     if covered:
-        row[_THING] = 1.0
+        met[i, _THING] = 1.0
+    due, edge = cast_toward(x, y, dx, dy, index, reach)
     if edge < 0:
-        return
-    row[_DUE], row[_MET_X], row[_MET_Y] = due, x + due * dx, y + due * dy
-    at_end, across = _met(row[_MET_X], row[_MET_Y], dx, dy, edge, index.edges, sight)
-    covered = covered and hidden_from - NEAR < due < hidden_to + NEAR
+        return due, math.inf
+    met[i, _MET_X], met[i, _MET_Y] = x + due * dx, y + due * dy
+    at_end, across = _met(met[i, _MET_X], met[i, _MET_Y], dx, dy, edge, index, sight)
+    covered = covered and thing[0] - NEAR < due < thing[1] + NEAR
     if NEAR < due < reach - FAR / across and not covered:
-        row[_SEEN] = 1.0 if at_end else 2.0
-    if at_end or covered:
-        past = (max(due, hidden_to) if covered else due) + 0.005
-        if past >= reach:
-            return
-        behind, edge = cast_toward(x + past * dx, y + past * dy, dx, dy, index, reach - past)
-        if edge >= 0:
-            row[_BEHIND] = past + behind
+        met[i, _SEEN] = 1.0 if at_end else 2.0
+    past = (max(due, thing[1]) if covered else due) + 0.005
+    if past >= reach or not (at_end or covered):
+        return due, math.inf
+    return due, past + cast_toward(x + past * dx, y + past * dy, dx, dy, index, reach - past)[0]
 
 
 @compiled()
@@ -229,17 +234,17 @@ def _is_drawn(
 
 
 @compiled()
-def _is_supported(dues: Array, ray: int, support: float) -> bool:
+def _is_supported(met: Array, ray: int, support: float) -> bool:
     """Whether a ray and its neighbours meet enough of an edge for the scanner to find tape.
 
     Only neighbours that see the whole width of the tape count.
     """
     first, last = ray, ray
-    while first > 0 and _is_next(dues[first - 1], dues[first], support):
+    while first > 0 and _is_next(met[first - 1], met[first], support):
         first -= 1
-    while last + 1 < len(dues) and _is_next(dues[last + 1], dues[last], support):
+    while last + 1 < len(met) and _is_next(met[last + 1], met[last], support):
         last += 1
-    dx, dy = dues[last, _MET_X] - dues[first, _MET_X], dues[last, _MET_Y] - dues[first, _MET_Y]
+    dx, dy = met[last, _MET_X] - met[first, _MET_X], met[last, _MET_Y] - met[first, _MET_Y]
     return math.hypot(dx, dy) >= support
 
 
@@ -251,20 +256,29 @@ def _is_next(row: Array, beside: Array, support: float) -> bool:
 
 
 @compiled(inline="always")
-def _density(offset: float, sd: float, range_max: float, clear: float) -> float:
-    """Return the likelihood density [1/m] of a range that is ``offset`` off the expected edge."""
+def _log_hit(
+    rays: Array, i: int, due: float, behind: float, clear: float, evidence: RayEvidence
+) -> float:
+    """Return the log-likelihood of a ray's range where edges are at these distances, or +inf."""
+    if math.isinf(due):
+        return math.log(UNEXPECTED_SHARE / evidence.range_max)
+    length = rays[i, column.RANGE]
+    sd = evidence.sd * (1 + evidence.slope * length * length)
     peak = SEEN * clear / (sd * math.sqrt(2 * math.pi))
-    return peak * math.exp(-0.5 * (offset / sd) ** 2) + STRAY / range_max
+    past = length - rays[i, column.NEAR]
+    offset = min(abs(past - due), abs(past - behind))
+    return math.log(peak * math.exp(-0.5 * (offset / sd) ** 2) + STRAY / evidence.range_max)
 
 
-@compiled(inline="always")
+@compiled(forceinline=True)
 def _met(
-    x: float, y: float, dx: float, dy: float, edge: int, edges: Array, sight: Visibility
+    x: float, y: float, dx: float, dy: float, edge: int, index: EdgeIndex, sight: Visibility
 ) -> tuple[bool, float]:
     """Whether an edge may be missed at a point: near the tape's end, or where the scanner is blind.
 
     Also returns the sine of the angle between the edge and the ray.
     """
+    edges, ends, starts = index.edges, sight.ends, sight.starts
     ex, ey = edges[edge, 2] - edges[edge, 0], edges[edge, 3] - edges[edge, 1]
     length = math.hypot(ex, ey)
     along = ((x - edges[edge, 0]) * ex + (y - edges[edge, 1]) * ey) / length
@@ -272,7 +286,7 @@ def _met(
     # A grazing ray runs along the tape, toward the edge's end or toward its start.
     ahead = ACROSS * abs(cosine) / max(sine, 1e-9)
     to_start, to_end = (END, max(END, ahead)) if cosine > 0 else (max(END, ahead), END)
-    ends, first, last = sight.ends, sight.starts[edge], sight.starts[edge + 1]
+    first, last = starts[edge], starts[edge + 1]
     part = first + min(max(int(along / length * (last - first)), 0), last - first - 1)
     at_end = (ends[edge, 0] and along < to_start) or (ends[edge, 1] and length - along < to_end)
     return at_end or not sight.seen[part], sine

@@ -27,6 +27,7 @@ HALF_ANGLE = math.radians(26)
 SPACING = 0.12
 """Distance of the places that views are chosen from [m]."""
 HEADINGS = 12
+"""Headings in which a place may be looked from: one each 30 degrees; a view is 52 degrees wide."""
 INSIDE = 0.10
 """Views are this far within the hull of the tape [m], so that a robot at one is still within it."""
 BEYOND = 0.12

@@ -17,7 +17,7 @@ import numpy as np
 from robot.calibration.adjustment import DriveEstimate, Solution, Weights
 from robot.calibration.drive_log import DriveLog
 from robot.calibration.sightings import Sightings
-from robot.calibration.tracking import laid, predicted
+from robot.calibration.tracking import LEAST_GATE, laid, predicted
 from robot.calibration.wheel_motion import WheelMotion
 from robot.description.spec import RobotSpec
 from robot.description.unknowns import (
@@ -61,9 +61,9 @@ RULER_SD = 1e-4
 MOST_PRIOR_SD = 3.0
 """An unknown that is farther from its description is not believed, by its prior's spread: with a
 wrong scale the tape's width was off by 6 to 65 of them, in right maps by at most 0.3."""
-LEAST_GATE, MOST_GATE = 0.015, 0.12
-"""Edges farther from known ones than this are new [m]: the first if the pose is exactly known, at
-most the second."""
+MOST_GATE = 0.12
+"""Edges farther from known ones than this are new [m]; than ``LEAST_GATE``, if the pose is exactly
+known."""
 AHEAD = 0.4
 """How far ahead most edges are seen [m]."""
 LEAST_MATCHED = 0.2

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from robot.calibration.drive_path import MOST_SLIP
 from robot.geometry import Array
 
-MOST_SLIP, MOST_STEP = 0.3, 6.0
-"""A wheel slips at most by the first, a share (seven standard deviations); a step is at most the
-second, in standard deviations, from what the wheels tell."""
+MOST_STEP = 6.0
+"""A step is at most this far from what the wheels tell, in standard deviations."""
 
 
 def moved_at(step_errors: Array, slip: Array, stamps: Array) -> float | None:

@@ -1,5 +1,8 @@
 """Compiled decision which edges belong to dashed tape: dashes of one line, a tape's width apart.
 
+What half and twice of a constant change is said as ``python -m benchmarks.constants`` found it: of
+rays across dashed tape 46.8 % return nothing, many of them between two dashes.
+
 A dash is too short to be an edge by itself, and beside it rays pass through the gaps. So entries
 on the dashes around are searched for a line that has as many of them as possible: entries on it,
 exits a tape's width behind it. Rays that enter a dash by its end lie off the line and do not count.
@@ -22,11 +25,13 @@ REACH = 2.5
 FEWEST = 3
 """Smallest number of entries on a line."""
 SHARE = 0.15
-"""They must be this share of all entries around: clutter has a line through some of its many."""
+"""They must be this share of all entries around: clutter has a line through some of its many. Half:
+46.1 % return nothing; twice: 50.4; false returns stay at 0.04 %."""
 SPAN = 0.5
 """They must extend over this share of a dash."""
 SLACK = 0.35
-"""Largest error of a dash's width, as a share of it; ``width_tolerance`` may be less."""
+"""Largest error of a dash's width, as a share of it; ``width_tolerance`` may be less. Half: 47.9 %
+return nothing; twice: nothing changes."""
 MEAN_SLACK = 0.25
 """Largest error of the mean width on a line, in the same unit."""
 LONGER = 1.3

@@ -35,7 +35,8 @@ either side."""
 
 
 SLANTED = 8.0
-"""If a ray crosses an edge at a slant, the search is stretched by at most this factor."""
+"""If a ray crosses an edge at a slant, the search is stretched by at most this factor. Half and
+twice: no range changes (``python -m benchmarks.constants``)."""
 
 
 @compiled()

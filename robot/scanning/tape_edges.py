@@ -1,5 +1,8 @@
 """Compiled decision which edges belong to tape: those on a line or an arc, a tape's width apart.
 
+What half and twice of a constant change is said as ``python -m benchmarks.constants`` found it:
+besides, 1.8 % of straight and 2.5 % of bent tape is missed.
+
 A pair is the entry, where a ray meets a stripe, and the next exit, where it leaves it. A pair
 counts under two conditions. The entries on neighbouring rays lie on a line, or on an arc that bends
 no tighter than tape does. The distance from entry to exit across it is the tape's width along the
@@ -30,10 +33,12 @@ NEIGHBOURS = 48
 """Largest number of rays on either side that may support a pair."""
 
 GAP = 2.0
-"""Neighbouring entries of one edge are at most this many times the support apart."""
+"""Neighbouring entries of one edge are at most this many times the support apart. Half: 1.9 % of
+straight and 2.6 % of bent tape is missed; twice: 1.8 and 2.7 %."""
 
 STRICTER = 2.0
-"""The limits of straightness and width are this many times tighter for an arc than for a line."""
+"""The limits of straightness and width are this many times tighter for an arc than for a line.
+Half: 2.4 % of bent tape is missed, and no return is false; twice: nothing is gained or lost."""
 
 SIDE = 4
 """This many neighbours on each side are used even if fewer already span the support."""

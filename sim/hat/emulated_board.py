@@ -11,11 +11,8 @@ from sim.hat.lego_motor import LegoMotor
 from sim.hat.main_loop import Firmware
 from sim.hat.motor_figures import DeviceError
 from sim.hat.plants import PORTS, Plants
-from sim.hat.processor import VERSION, Processor
+from sim.hat.processor import TICK, VERSION, Processor
 from sim.hat.transmitter import Noise, Receiver, Transmitter
-
-TICK = 0.001
-"""Time step of the emulation [s]."""
 
 
 class EmulatedBoard:

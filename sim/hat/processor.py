@@ -15,7 +15,7 @@ from sim.hat.transmitter import Transmitter
 VERSION = 1737564117
 """Version of the firmware that is emulated."""
 
-PASS = 0.001
+TICK = 0.001
 """Time step of the emulation [s]."""
 
 VERSION_IN_IMAGE = re.compile(rb"\d{10} \d{4}-\d\d-\d\dT[0-9:]{8}\+00:00")
@@ -72,7 +72,7 @@ class Processor:
         loader = self._bootloader
         for byte in heard:
             loader.receive(byte)
-        loader.tick(PASS)
+        loader.tick(TICK)
         if loader.rebooted:
             result = VERSION_IN_IMAGE.search(loader.image)
             self._run(

@@ -14,15 +14,12 @@ from robot.description.wiring import PORTS
 from sim.hat.emulated_board import EmulatedBoard
 from sim.hat.lego_motor import LegoMotor
 from sim.hat.motor_figures import MotorFigures
-from sim.hat.processor import VERSION
+from sim.hat.processor import TICK, VERSION
 from sim.hat_emulator.pseudo_terminal import PseudoTerminal
 from sim.hat_emulator.surroundings import Surroundings
 
 TURN = 0.002
 """Period of the board's progress without input [s]; its output is late by up to this time."""
-
-TICK = 0.001
-"""The board's time advances in whole ticks of this length [s]."""
 
 LONGEST_LAG = 0.1
 """Longest time that is caught up after a stall [s]; the board skips the rest."""

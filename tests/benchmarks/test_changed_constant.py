@@ -44,10 +44,21 @@ def test_a_whole_number_stays_whole_and_above_zero() -> None:
     assert changed("searches.LOST", "*0.1", "LOST") == "1"
 
 
-def test_constants_of_compiled_code_are_known() -> None:
-    assert Constant.of("scan_residuals.GATE").is_compiled
-    assert Constant.of("scan_matching.TAIL").is_compiled
-    assert not Constant.of("kidnapping.FRESH").is_compiled
+def compiled_users(name: str) -> set[str]:
+    return {function for _, function in Constant.of(name).compiled_users}
+
+
+def test_compiled_functions_that_have_a_constant_built_in_are_known() -> None:
+    assert compiled_users("scan_residuals.GATE") == {"residual_sums"}
+    # Of the module itself, its callers, and a module that imports the constant.
+    assert compiled_users("scan_matching.TAIL") >= {"_cauchy", "fit_rays", "add_step"}
+    # By a constant that is made of it.
+    made = compiled_users("ray_sums.FACING_SHIFT")
+    assert compiled_users("entry_planes.DIRECTIONS") >= made > set()
+
+
+def test_a_constant_that_no_compiled_function_reads_has_none_though_its_module_compiles() -> None:
+    assert compiled_users("kidnapping.FRESH") == compiled_users("track.FAR") == set()
 
 
 @pytest.mark.parametrize("name", ["BEAMS", "monitor.NOWHERE", "nowhere.TORN"])

@@ -2,6 +2,7 @@
 
 * A module's first sentence names what the module defines.
 * Constants stand above the second definition, unless they are made of definitions above them.
+* A public number of a room whose numbers decide behaviour is explained in the text below it.
 * A public class has a name of its own, so that a search finds one thing.
 """
 
@@ -13,10 +14,23 @@ import sys
 from collections import defaultdict
 from collections.abc import Iterator
 from functools import cache
+from itertools import pairwise
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 FOLDERS = ("app", "robot", "sim", "benchmarks")
+DECIDING = (
+    "robot/calibration/",
+    "robot/driving/",
+    "robot/localization/",
+    "robot/mapping/",
+    "robot/scanning/",
+    "sim/",
+    "app/engine/",
+)
+"""Rooms whose numbers decide behaviour."""
+PROTOCOL = ("sim/hat/", "sim/hat_emulator/")
+"""Rooms of emulated hardware: what its numbers are was decided elsewhere."""
 ENDINGS = re.compile(
     r"(?:ations?|ating|at(?:ed|es|e)|ings?|ions?|ers?|ors?|ies|ied|es|ed|e|s|y)$", re.IGNORECASE
 )
@@ -35,7 +49,12 @@ SAME_NAME = {
 
 def main() -> int:
     """Print what is refused, with its place; 1 if there is anything."""
-    bad = [*_unnamed_modules(), *_late_constants(), *_classes_of_one_name()]
+    bad = [
+        *_unnamed_modules(),
+        *_late_constants(),
+        *_unexplained_numbers(),
+        *_classes_of_one_name(),
+    ]
     sys.stdout.writelines(f"{line}\n" for line in bad)
     return 1 if bad else 0
 
@@ -124,6 +143,40 @@ def _late_constants() -> Iterator[str]:
                     defined |= names
                 elif count >= 2 and names != {"__all__"}:
                     yield f"{place}:{node.lineno}: {', '.join(sorted(names))} belongs to the top"
+
+
+def _unexplained_numbers() -> Iterator[str]:
+    for place, module in _modules("robot", "sim", "app"):
+        if not place.startswith(DECIDING) or place.startswith(PROTOCOL):
+            continue
+        for node, following in pairwise([*module.body, ast.Pass()]):
+            if not isinstance(node, ast.Assign) or not _is_number(node.value):
+                continue
+            public = [name for name in sorted(_bound(node)) if not name.startswith("_")]
+            if public and not _is_text(following):
+                names = ", ".join(public)
+                yield f"{place}:{node.lineno}: {names} has no text that says what it is, and why"
+
+
+def _is_number(value: ast.expr) -> bool:
+    """Return whether a value is a number, or several: in a row, in an array, or computed."""
+    parts = list(ast.walk(value))
+    calls = [ast.unparse(each.func) for each in parts if isinstance(each, ast.Call)]
+    constants = [type(each.value) for each in parts if isinstance(each, ast.Constant)]
+    return (
+        bool(constants)
+        and all(kind in (int, float) for kind in constants)
+        and all(call.startswith(("np.", "math.")) for call in calls)
+        and isinstance(value, ast.Constant | ast.Tuple | ast.UnaryOp | ast.BinOp | ast.Call)
+    )
+
+
+def _is_text(node: ast.stmt) -> bool:
+    return (
+        isinstance(node, ast.Expr)
+        and isinstance(node.value, ast.Constant)
+        and isinstance(node.value.value, str)
+    )
 
 
 def _bound(node: ast.Assign | ast.AnnAssign) -> set[str]:

@@ -1,4 +1,4 @@
-"""What ``make check`` says of modules: first sentences, late constants, classes of one name."""
+"""What ``make check`` says of modules: first sentences, constants, numbers, classes of one name."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ def complaints(tmp_path: Path, monkeypatch, capsys):
     monkeypatch.setattr(lint_modules, "SAME_NAME", {})
 
     def said(**sources: str) -> list[str]:
-        (tmp_path / "robot").mkdir()
+        (tmp_path / "robot").mkdir(exist_ok=True)
         for name, source in sources.items():
             (tmp_path / "robot" / f"{name}.py").write_text(source)
         failed = lint_modules.main()
@@ -53,6 +53,22 @@ def test_a_constant_belongs_above_the_second_definition_unless_it_is_made_of_one
         "MADE = Late()\nOF_MADE = [MADE]\nLATER: int = 2\n"
     )
     assert complaints(late=source) == ["robot/late.py:11: LATER belongs to the top"]
+
+
+def test_a_number_that_decides_is_explained(complaints, tmp_path: Path):
+    room = tmp_path / "robot" / "driving"
+    protocol = tmp_path / "sim" / "hat"
+    room.mkdir(parents=True)
+    protocol.mkdir(parents=True)
+    (room / "gates.py").write_text(
+        'GATE = 0.03\n"""Half: nothing changes."""\nLEAST, MOST = 1, 2\n'
+        'SD = np.diag([0.1, 0.2])\nNAMES = ("late",)\nTABLE = made(3)\nON = True\n'
+    )
+    (protocol / "letters.py").write_text("STX = 2\n")
+    assert complaints() == [
+        "robot/driving/gates.py:3: LEAST, MOST has no text that says what it is, and why",
+        "robot/driving/gates.py:4: SD has no text that says what it is, and why",
+    ]
 
 
 def test_a_public_class_has_a_name_of_its_own(complaints):

@@ -136,8 +136,8 @@ FUNCTIONS: tuple[Compiled, ...] = (
         (_F3, int32[::1], _F1, float64, float64, float64, float64, float64),
     ),
     Compiled(
-        "robot.localization.ray_evidence._at_each",
-        (_F2, _F2, _EVIDENCE),
+        "robot.localization.ray_evidence.ray_log_likelihoods",
+        (_F2, _F2, _EVIDENCE, float64),
     ),
     Compiled("robot.localization.monitoring.mounting_check._project_out_pose", (_F2, _F2)),
     Compiled("robot.localization.monitoring.mounting_check._solve", (_F2, float64, _F2)),

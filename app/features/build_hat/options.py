@@ -7,8 +7,8 @@ import sys
 from pathlib import Path
 
 from app.command_parser import CommandParser
-from app.options import add_config, add_map, add_serial_port
-from app.settings.config import Config
+from app.options import add_config, add_settings
+from app.settings.config import AUTO
 from robot.errors import PackageError
 
 EMULATED_WORLDS = ("sim", "free")
@@ -16,14 +16,15 @@ EMULATED_WORLDS = ("sim", "free")
 
 def add_stop_motors(command: CommandParser) -> None:
     """Add the options of ``stop-motors``."""
-    add_serial_port(command)
+    add_settings(command, "serial_port")
     command.set_defaults(command=_stop)
 
 
 def _stop(parsed: argparse.Namespace) -> int:
     from robot.hat.serial_port import find_device, stop_motors  # noqa: PLC0415
 
-    stop_motors(vars(parsed).get("serial_port") or find_device())
+    port = vars(parsed).get("serial_port", AUTO)
+    stop_motors(find_device() if port in ("", AUTO) else port)
     return 0
 
 
@@ -52,10 +53,7 @@ def add_emulate_hat(command: CommandParser) -> None:
         help="sim: the robot on a field (physics); free: motors that turn freely (default: sim "
         "where a physics engine is installed)",
     )
-    add_map(command)
-    command.add_argument(
-        "--seed", type=int, metavar="N", help=f"of everything random (default: {Config().seed})"
-    )
+    add_settings(command, "map", "seed")
     add_config(command)
     command.add_argument(
         "--bootloader",

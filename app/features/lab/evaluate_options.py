@@ -8,7 +8,7 @@ from typing import Any
 
 from app.command_parser import NO_OPTIONS, CommandParser
 from app.interruption import interruptible
-from app.options import add_config, add_map, add_profile
+from app.options import add_config, add_settings
 from app.settings.conditions import condition_names
 from robot.settings import SettingError
 
@@ -150,7 +150,7 @@ def _option(name: str) -> str:
 
 
 def _add_simulation(command: argparse.ArgumentParser) -> None:
-    add_map(command)
+    add_settings(command, "map")
     command.add_argument(
         "--first-seed", type=int, metavar="N", help="seed of the first robot (default: 0)"
     )
@@ -171,7 +171,7 @@ def _add_simulation(command: argparse.ArgumentParser) -> None:
         metavar=("DX", "DY", "DTHETA"),
         help="how far the given pose is off [m, m, rad] (default: -0.1 -0.1 0.3)",
     )
-    add_profile(command)
+    add_settings(command, "profile")
     command.add_argument(
         "--calibrate",
         type=float,

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from app.command_parser import NO_OPTIONS, CommandParser
 from app.interruption import interruptible
-from app.options import add_address
+from app.options import add_settings
 from app.page.access_options import add_access
 from robot.settings import SettingError
 
@@ -99,7 +99,7 @@ def add_replay(command: CommandParser) -> None:
     command.add_argument(
         "--seed", type=int, help="seed of the filter (default: that of the recording)"
     )
-    add_address(command)
+    add_settings(command, "host", "port")
     command.add_argument(
         "--out",
         type=Path,

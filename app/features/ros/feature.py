@@ -1,6 +1,6 @@
 """What ROS adds: topics, services and parameters by rosbridge, Foxglove, DDS; maps, exports."""
 
-from app.feature import Feature, Late, RunOptions, Subcommand
+from app.feature import Feature, Late, SettingOption, Subcommand
 
 FEATURE = Feature(
     name="ros",
@@ -12,11 +12,7 @@ FEATURE = Feature(
             Late("app.features.ros.export.options:add_export"),
         ),
     ),
-    run_options=(
-        RunOptions(
-            Late("app.features.ros.run_options:add"), Late("app.features.ros.run_options:apply")
-        ),
-    ),
+    run_options=(SettingOption("ros2.dds", name="ros2"), SettingOption("ros2.foxglove")),
     guests=(Late("app.features.ros.guests:guests"),),
     outlet=Late("app.features.ros.outlet:RosOutlet"),
     fields=(Late("app.features.ros.map_fields:FIELDS"),),

@@ -13,6 +13,7 @@ from robot.geometry import Array
 OFF_PX, OFF_SD = 1.5, 8.0
 """A corner is wrong that lies off its neighbours' places by both [px, standard deviations]."""
 ROUNDS = 5
+"""Most rounds; each one may leave out further corners."""
 
 
 def in_place(flat: Array, pixels: Array) -> NDArray[np.bool_]:

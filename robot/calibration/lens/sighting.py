@@ -20,6 +20,7 @@ Grey = NDArray[np.uint8]
 LEAST_CORNERS = 8
 """Fewest corners of a board that is partly in sight: fewer hardly tell its pose."""
 REFINE = cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_MAX_ITER, 100, 1e-4
+"""When the search for the exact corner ends: after 100 steps, or one of less than 1e-4 px."""
 SHARE = 0.3
 """Reach of the search for the exact corner, as a share of the distance to the next."""
 REACH_PX = 2, 11

@@ -16,20 +16,13 @@ EQUAL = -3.0
 Half: certain in 31.9 % of pictures instead of 30.5; twice: 30.0; misleading as often."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Image:
-    """A place that looks like a followed one."""
-
-    pose: Pose2
-    covariance: Array = field(repr=False)
-    """(3, 3) [m, m, rad]"""
-    log_weight: float
-
-
 def missing_images(
     tracks: Sequence[Track], symmetries: Sequence[Pose2], parameters: HypothesisParameters
-) -> Iterator[Image]:
-    """Yield images of the heaviest tracks that are not followed; the others get the same weight."""
+) -> Iterator[tuple[Pose2, Array, float]]:
+    """Yield images of the heaviest tracks that are not followed; the others get the same weight.
+
+    They are places that look like a followed one: pose, covariance (3, 3) [m, m, rad], log-weight.
+    """
     for track in tracks:
         if track.log_weight < EQUAL:
             continue
@@ -40,7 +33,7 @@ def missing_images(
                 each.log_weight = max(each.log_weight, track.log_weight)
             if not target:
                 covariance = turned_covariance(track.best.covariance, turned.theta)
-                yield Image(pose, covariance, track.log_weight)
+                yield pose, covariance, track.log_weight
 
 
 @dataclass(frozen=True, slots=True, eq=False)

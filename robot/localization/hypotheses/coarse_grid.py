@@ -158,7 +158,7 @@ def _cost(
         x = pose[0] + c * ends[i, 0] - s * ends[i, 1]
         y = pose[1] + s * ends[i, 0] + c * ends[i, 1]
         toward = (pose[2] + ends[i, 2]) * (directions / (2 * math.pi))
-        facing = int(math.floor(toward + 0.5)) % directions
+        facing = int(math.floor(toward + 0.5)) & (directions - 1)  # a power of two
         row = int(math.floor((y - origin[1]) / resolution + 0.5))
         column = int(math.floor((x - origin[0]) / resolution + 0.5))
         if 0 <= row < height and 0 <= column < width:

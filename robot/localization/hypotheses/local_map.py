@@ -31,8 +31,9 @@ class _Kept:
     @classmethod
     def at(cls, pose: Pose2, scan: Scan) -> _Kept:
         rays = rays_of(scan, len(scan.ranges))
-        seeing = rays[~np.isnan(rays[:, column.NEAR])]
-        return cls(pose, scan, int(np.isfinite(seeing[:, column.RANGE]).sum()), len(seeing))
+        seeing = ~np.isnan(rays[:, column.NEAR])
+        hits = int(np.count_nonzero(seeing & np.isfinite(rays[:, column.RANGE])))
+        return cls(pose, scan, hits, int(np.count_nonzero(seeing)))
 
 
 class LocalMap:

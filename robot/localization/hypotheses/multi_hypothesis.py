@@ -40,7 +40,9 @@ from robot.scan import Scan, rays_of
 BEAMS = 60
 """Rays of a scan by which hypotheses are weighed."""
 CONFIRMING = 0.5
-"""A search that confirms a known place needs only this share of the returns of other searches."""
+"""A search that confirms a known place needs only this share of the returns of other searches.
+Half: no claim changes; twice: certain in 41.6 % instead of 40.7, and misleading as often
+(``--few``)."""
 LEAST_SHARE = 0.2
 """A track keeps at least this share of its particles, however many tracks there are."""
 BORN_SHARE = 0.05
@@ -242,7 +244,7 @@ class MultiHypothesisFilter:
         p = self.setup.hypotheses
         for image in list(missing_images(self._tracks, self.setup.field.symmetries, p)):
             if len(self._tracks) < p.max_hypotheses:
-                self._follow(image.pose, image.covariance, image.log_weight)
+                self._follow(*image)
 
     def _level(self, heaviest: float) -> None:
         """Scale the heaviest weight to one; react if the robot is lost or another place leads."""

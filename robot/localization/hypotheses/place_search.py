@@ -7,8 +7,8 @@ that fit about as well as the best.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,17 +30,13 @@ REPLAYED_SCANS, REPLAYED_BEAMS = 8, 30
 PEAKS = 90
 """Poses of the grid that are laid on the edges."""
 WORSE = 1.5
-"""A place is dropped if its log-likelihood per ray is this much below the best one's."""
+"""A place is dropped if its log-likelihood per ray is this much below the best one's. Half and
+twice: nothing changes beyond chance (``python -m benchmarks.constants --few``)."""
 SEARCHED_PER_PIECE = 100_000
 """Poses that are searched for the cheapest ones in one piece of work: about 1 ms."""
 POSES_PER_PIECE, FITS_PER_PIECE, REPLAYS_PER_PIECE = 20_000, 45, 12
-"""Poses scored, poses laid on edges, and places replayed in one piece of work: 2 to 4 ms."""
-
-
-@dataclass(frozen=True, slots=True)
-class _Fit:
-    pose: Pose2
-    log_likelihood: float
+"""Poses scored, poses laid on edges (two thirds of these in one piece), and places replayed in one
+piece of work: 1 to 3 ms."""
 
 
 class PlaceSearch:
@@ -140,12 +136,10 @@ class PlaceSearch:
         for turns in _pieces(grid.shape[0], SEARCHED_PER_PIECE // (grid.shape[1] * grid.shape[2])):
             cheapest.look(costs, turns)
             yield False
-        blur = self._parameters.search_blur
-        starts = grid.refined_poses(grid.poses(cheapest.cells), self._ends, self._entries, blur)
-        yield False
-        fits: list[_Fit] = []
-        for some in _pieces(len(starts), FITS_PER_PIECE):
-            fits += self._fits(starts[some])
+        blur, starts = self._parameters.search_blur, grid.poses(cheapest.cells)
+        fits: list[tuple[float, Pose2]] = []
+        for part in np.array_split(starts, 1 + math.ceil(len(starts) / FITS_PER_PIECE)):
+            fits += self._fits(grid.refined_poses(part, self._ends, self._entries, blur))
             yield False
         places = self._distinct(fits)
         for some in _pieces(len(places), REPLAYS_PER_PIECE):
@@ -162,24 +156,25 @@ class PlaceSearch:
     def _match(self, start: Pose2) -> Match:
         return self._setup.matcher.match(start, self._rays)
 
-    def _fits(self, starts: Array) -> list[_Fit]:
-        """Lay the rays on the edges, starting from each of the poses (n, 3)."""
+    def _fits(self, starts: Array) -> list[tuple[float, Pose2]]:
+        """Lay the rays on the edges from each of the poses (n, 3); return how well, and where."""
         poses = [self._match(Pose2(*start)).pose for start in starts.tolist()]
-        laid = np.array([pose.to_array() for pose in poses])
-        logs = self._setup.evidence.log_likelihoods(laid, self._rays).tolist()
-        return [_Fit(pose, log) for pose, log in zip(poses, logs, strict=True)]
+        laid = np.array([pose.to_array() for pose in poses]).reshape(-1, 3)
+        logs = self._setup.evidence.log_likelihoods(laid, self._rays, within=WORSE).tolist()
+        return list(zip(logs, poses, strict=True))
 
     def _replayed(self, pose: Pose2) -> Rescored:
         return rescore(pose, self._past, self._setup.matcher, self._setup.evidence)
 
-    def _distinct(self, fits: list[_Fit]) -> list[Pose2]:
+    def _distinct(self, fits: list[tuple[float, Pose2]]) -> list[Pose2]:
         """Return the best pose of each place; not too many, and no bad ones."""
         kept: list[Pose2] = []
-        fits = sorted(fits, key=lambda fit: -fit.log_likelihood)
-        for item in fits:
-            near = any(self._parameters.alike(item.pose, other) for other in kept)
-            if not near and item.log_likelihood > fits[0].log_likelihood - WORSE:
-                kept.append(item.pose)
+        fits = sorted(fits, key=lambda fit: -fit[0])
+        for log_likelihood, pose in fits:
+            if log_likelihood <= fits[0][0] - WORSE:
+                break
+            if not any(self._parameters.alike(pose, other) for other in kept):
+                kept.append(pose)
         return kept[: self._parameters.max_hypotheses]
 
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from robot.compiling import compiled
 from robot.geometry import Array, Pose2
-from robot.localization.ray_evidence import RayEvidence, ray_log_likelihood
+from robot.localization.ray_evidence import RayEvidence, ray_log_likelihoods
 from robot.localization.scan_matching import ScanMatcher, fit_rays
 
 START_INFORMATION = np.diag(1 / np.square([0.02, 0.02, 0.08]))
@@ -73,7 +73,7 @@ def _rescore(
         if k > 0:
             pose, information = _moved(pose, information, moves[k], noise[k])
             pose, information, _ = fit_rays(pose, information, rays[k], matcher)
-        fits[k] = ray_log_likelihood(pose, rays[k], evidence)
+        fits[k] = ray_log_likelihoods(pose.reshape(1, 3), rays[k], evidence, 0.0)[0]
     return newest, known, fits
 
 

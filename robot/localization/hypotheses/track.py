@@ -15,7 +15,7 @@ from robot.geometry import Array, Pose2
 from robot.localization.estimate import Hypothesis
 from robot.localization.filter import Filter, Setup
 from robot.localization.parameters import HypothesisParameters
-from robot.localization.ray_evidence import RayEvidence, ray_log_likelihood
+from robot.localization.ray_evidence import RayEvidence, ray_log_likelihoods
 from robot.localization.scan_matching import ScanMatcher, fit_rays
 
 MATCH_COVARIANCE = np.diag(np.square([0.01, 0.01, 0.03]))
@@ -27,7 +27,7 @@ FAR, STUCK = 3.0, 3
 """If STUCK successive scans fit farther off than FAR (squared Mahalanobis distance), the filter is
 overconfident, and would stay where it is until it is lost. So it is restarted where they fit, if
 they fit better there. Scans beyond FARTHEST count too: without them, two of 12 robots with askew
-cameras get lost."""
+cameras get lost. Half and twice of FAR: nothing changes beyond chance (``--few``)."""
 NARROW = 0.012
 """In a cloud narrower than this [m], each ray can only be of the nearest edge."""
 SHARP = 0.008
@@ -42,7 +42,8 @@ come from where a fit ends, and they would add up."""
 ONE_THING, FORGIVEN = 6.0, 0.1
 """Most log-weight that a confirmed place loses by one thing on the floor, and how much of that is
 given back with each scan. A shoe that looks like the tape of another place is seen in a dozen
-scans, but only once: it must not outweigh all that was seen before it."""
+scans, but only once: it must not outweigh all that was seen before it. Half and twice of ONE_THING:
+no claim changes (``--few``)."""
 
 STRAY = 0.05
 """Clusters below this share of a track's heaviest cluster are not separate places."""
@@ -108,7 +109,7 @@ class Track:
         none becomes likelier than another.
         """
         best = self.best
-        narrow = float(np.trace(best.covariance[:2, :2])) < NARROW**2
+        narrow = best.covariance[0, 0] + best.covariance[1, 1] < NARROW**2
         matcher = setup.fine_matcher if narrow else setup.matcher
         fitting, far, current, target = _laid(
             best.pose.to_array(), best.covariance, rays, matcher, setup.evidence
@@ -124,7 +125,7 @@ class Track:
         After rays are laid on the edges, a wrong place would fit too well to be noticed.
         """
         poses = _around(self.pose.to_array(), self.best.covariance)
-        return float(setup.evidence.log_likelihoods(poses, rays).max())
+        return float(setup.evidence.log_likelihoods(poses, rays, within=0.0).max())
 
     def lose(self, loss: float, most: float) -> None:
         """Subtract a scan's loss of log-likelihood, relative to the best place, from the weight.
@@ -187,7 +188,7 @@ def _laid(
 
     Returns:
         Where the rays fit (3,); the squared Mahalanobis distance to there; and the mean
-        log-likelihood of the rays at the hypothesis, and where they fit.
+        log-likelihood of the rays at the hypothesis (nan if it is not FAR), and where they fit.
     """
     known = inverse(covariance + MATCH_COVARIANCE)
     fitting, information, _ = fit_rays(pose, known, rays, matcher)
@@ -197,10 +198,10 @@ def _laid(
     far = away @ known @ away
     # (C^-1 + S)^-1 of covariance C and the scan's information S, even if one is singular.
     left = solved(np.eye(3) + covariance @ (information - known), covariance)
-    current = ray_log_likelihood(pose, rays, evidence)
-    target = -np.inf
-    for beside in _around(fitting, left):
-        target = max(target, ray_log_likelihood(beside, rays, evidence))
+    target = ray_log_likelihoods(_around(fitting, left), rays, evidence, 0.0).max()
+    current = np.nan
+    if far > FAR:
+        current = ray_log_likelihoods(pose.reshape(1, 3), rays, evidence, 0.0)[0]
     return fitting, float(far), current, target
 
 

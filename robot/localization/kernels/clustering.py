@@ -25,6 +25,7 @@ MASS, SQUARES = 0, 1
 FIRST, SECOND, ORIGIN = 2, 5, 11
 """Columns of the sums of offsets (3), of their products (6) and of what they are from (3)."""
 COLUMNS = 14
+"""All columns of a cell: ORIGIN, with its three, is the last."""
 
 
 @compiled()

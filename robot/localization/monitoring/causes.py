@@ -1,4 +1,8 @@
-"""The likeliest cause of an error: each leaves a pattern in the residuals of scans and steps."""
+"""The likeliest cause of an error: each leaves a pattern in the residuals of scans and steps.
+
+What half and twice of a constant change is said as ``python -m benchmarks.constants`` found it: of
+pictures 0.2 % have a false alarm, and where something is wrong, its cause is named in 61.4 %.
+"""
 
 from __future__ import annotations
 
@@ -12,29 +16,39 @@ from robot.localization.monitoring.odometry_check import OdometryErrors
 
 RAISED, CLEARED = 0.4, 3.0
 """An alert is raised after its cause was the likeliest for RAISED [s]. It is cleared when its cause
-was not the likeliest for CLEARED [s]."""
+was not the likeliest for CLEARED [s]. Half of RAISED: the cause is named in 63.9 % instead of 61.4;
+twice: 55.4, and no false alarm. Half and twice of CLEARED: nothing changes."""
 WHEELS_SLIP = 2.8
-"""Wheels slip if the unexplained rest of steps in heading is larger than this, in usual spreads."""
+"""Wheels slip if the unexplained rest of steps in heading is larger than this, in usual spreads.
+Half: no false alarm, named in 62.3 %; twice: false in 9.0 %, named in 44.1, as slip then looks like
+another cause."""
 PATH_TORN = 2.4
-"""Poses do not fit together if that rest of steps ahead or aside is larger than this."""
+"""Poses do not fit together if that rest of steps ahead or aside is larger than this. Half: no
+false alarm, named in 61.8 %; twice: no alarm changes."""
 LATE, LATE_SURE = 0.012, 2.4
-"""Pictures are late if they come later than this [s], and by this many standard deviations."""
-TILT = math.radians(0.1)
-TILT_EXPLAINS = 0.4
+"""Pictures are late if they come later than this [s], and by this many standard deviations. Half of
+LATE: no alarm changes; twice: named in 51.8 %. Half of LATE_SURE: 67.5, with as many false ones;
+twice: 52.1, and no false alarm."""
+TILT, TILT_EXPLAINS = math.radians(0.1), 0.4
 """A camera is askew if its tilt is larger than this [rad], and explains more than this share of the
-residuals that no pose explains."""
+residuals that no pose explains. Half and twice of the tilt: no alarm changes; of the share: named
+in 61.5 and 61.0 %."""
 RADII, RADII_TURN = 0.025, 0.38
 """Wheels are of another size if they err by more: a share of a distance, or a turn by distance
-[rad/m]."""
+[rad/m]. Half and twice: no alarm changes."""
 SURE = 3.0
-"""Standard deviations above which a wheel's error is significant."""
+"""Standard deviations above which a wheel's error is significant. Half: false in 2.5 %; twice: no
+alarm changes."""
 FLAT, FLAT_WIDE = 0.97, 0.010
 """A sensor model rates all poses alike if more than this share of the cloud stays effective, and
-the cloud is wider than this [m]."""
+the cloud is wider than this [m]. Half of FLAT: false in 1.7 %; a share above one, which disables
+it: 0.1 % of the alarms differ. Half and twice of FLAT_WIDE: no alarm changes."""
 MIN_FIT_CHANGE = -1.6
-"""A sensor model that takes more than this of a ray's log-likelihood does not suit this scanner."""
+"""A sensor model that takes more than this of a ray's log-likelihood does not suit this scanner.
+Half: false in 1.3 %; twice: no alarm changes."""
 FLAT_RAYS = 20
-"""Least number of returns by which a sensor model should have distinguished poses."""
+"""Least number of returns by which a sensor model should have distinguished poses. Half and twice:
+no alarm changes."""
 
 
 @dataclass(frozen=True, slots=True)

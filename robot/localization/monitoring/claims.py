@@ -1,4 +1,8 @@
-"""Claims about an estimate: its state, and bounds that hold in 99.9 % of pictures."""
+"""Claims about an estimate: its state, and bounds that hold in 99.9 % of pictures.
+
+What half and twice of a constant change is said as ``python -m benchmarks.constants --few`` found
+it: of pictures 40.7 % are certain and 0.7 % misleading.
+"""
 
 from __future__ import annotations
 
@@ -13,16 +17,22 @@ from robot.localization.monitoring.doubt import Doubt
 PLACE_QUANTILE, HEADING_QUANTILE = 3.72, 3.29
 """Standard deviations that contain 99.9 %: of a position on a plane, and of a heading."""
 LEAST_PLACE, LEAST_HEADING = 0.0005, 0.0015
-"""Standard deviations of the scanner's own errors, which no covariance includes [m], [rad]."""
+"""Standard deviations of the scanner's own errors, which no covariance includes [m], [rad]. Half
+and twice: as many are certain, and misleading."""
 NARROW, NARROW_HEADING = 0.080, math.radians(10)
-"""With a wider bound, an estimate is only approximate [m], [rad]."""
+"""With a wider bound, an estimate is only approximate [m], [rad]. What *certain* means
+(docs/integrity.md). Half of the radius: 39.4 % certain, none misleading; twice: nothing changes.
+Half of the heading: 39.5 and 0.3 %; twice: 41.2 and 0.7."""
 TURNED, WAY, TURN = 0.3, 0.03, 0.05
 """Standard deviations of odometry: of the turn by distance [rad/m], of a distance as a share of it,
-and of a turn as a share of it."""
+and of a turn as a share of it. They widen bounds between two pictures, so that no claim at a
+picture depends on them."""
 MAX_RADIUS = 1.0
-"""With a wider bound, the robot's place is unknown [m]: a single Gaussian may become so wide."""
+"""With a wider bound, the robot's place is unknown [m]: a single Gaussian may become so wide. Half
+and twice: no claim changes."""
 ANY = 0.5
-"""If all places together weigh less, the robot may be anywhere."""
+"""If all places together weigh less, the robot may be anywhere. Half: no claim changes; twice,
+nothing is ever certain."""
 
 
 def claim(hypotheses: tuple[Hypothesis, ...], standing: Standing, doubt: Doubt) -> Integrity:

@@ -1,4 +1,8 @@
-"""Checks how well scans fit at the estimate, and whether they moved it to a worse fit."""
+"""Checks how well scans fit at the estimate, and whether they moved it to a worse fit.
+
+What half and twice of a constant change is said as ``python -m benchmarks.constants --few`` found
+it: of pictures 40.7 % are certain and 0.7 % misleading.
+"""
 
 from __future__ import annotations
 
@@ -9,9 +13,11 @@ from robot.geometry import Array, Pose2
 from robot.localization.ray_evidence import RayEvidence
 
 NEWEST_SHARE = 0.5
-"""Share of a new scan in the running mean of how well scans fit."""
+"""Share of a new scan in the running mean of how well scans fit. Half: misleading in 0.8 %; twice:
+in 0.7; as many certain."""
 CLEAR = 0.75
-"""Scans that fit have a mean near 1, the most that one counts; one that does not, halves it."""
+"""Scans that fit have a mean near 1, the most that one counts; one that does not, halves it. Half
+and twice: no claim changes."""
 FORGETTING = 0.01
 """Share of the sum of changes that is forgotten with each scan."""
 MOST_CHANGE = 1.5

@@ -49,11 +49,13 @@ USUAL = 1.5
 SEEING, BLIND_AFTER, BLIND = 6, 0.3, 2.5
 """If fewer than SEEING rays lie on edges for longer than BLIND_AFTER [s], steps add up unseen. Then
 they err BLIND times as much as each step alone, because slip lasts for about a second, and wheels
-are never exactly as drawn. Half and twice of BLIND: nothing changes beyond chance."""
+are never exactly as drawn. Half and twice of BLIND: nothing changes beyond chance. Half of SEEING:
+no claim changes; twice: nothing changes beyond chance (``--few``)."""
 DOUBT_KEPT = 5.0
 """Time after an alert for which the pose may still be off [s]. Half and twice: no claim changes."""
 SCALE_SD, SCALE_DOUBTED = 0.008, 0.015
-"""Standard deviation of the scale of a map that is not doubted, and of one that is."""
+"""Standard deviation of the scale of a map that is not doubted, and of one that is. Half of
+SCALE_SD: misleading in 0.8 % instead of 0.7; twice: in 0.2, and as many certain (``--few``)."""
 SAME_TILT = math.radians(0.03)
 """Tilts that differ by less [rad] shift a pose by less than scans do."""
 LEAST_LATE = 0.001
@@ -193,7 +195,7 @@ class Monitor:
             self._camera.error,
             returned,
             spread,
-            math.sqrt(float(np.trace(hypothesis.covariance[:2, :2]))),
+            math.sqrt(hypothesis.covariance[0, 0] + hypothesis.covariance[1, 1]),
             self._fit.change,
         )
         self._causes.judge(findings)

@@ -5,6 +5,9 @@ Seven constant errors explain it: pictures stamped late by tau; wheels whose rad
 k_f of a distance, a turn k_t a metre) or whose track is off (a share k_w of a turn); and a camera
 that is shifted by (o_x, o_y, psi) from its place. They are estimated together, by recursive least
 squares with a prior. After few motions one error looks like another, and the covariance says so.
+
+What half and twice of a constant change is said as ``python -m benchmarks.constants --few`` found
+it: of pictures 40.7 % are certain and 0.7 % misleading.
 """
 
 from __future__ import annotations
@@ -15,17 +18,19 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from robot.geometry import Array, Pose2, Twist2
+from robot.geometry import Array, Pose2, Twist2, turned_covariance
 from robot.localization.monitoring.steady_errors import SteadyErrors
 from robot.localization.monitoring.step_sums import StepSums, add_step, estimate_errors
 
 LAG, LONGEST = 0.33, 1.2
-"""Time over which steps are compared, and the longest such time when pictures are rare [s]."""
+"""Time over which steps are compared, and the longest such time when pictures are rare [s]. Half of
+LAG: the cause of an error is named in 57.3 % of pictures instead of 60.7; twice: 44.8."""
 ERRORS = ("late", "forward", "turn_by_way", "turn", "ahead", "aside", "yaw")
 USUAL = SteadyErrors()
 SETTLING = 1.5
 """Until the robot has driven for this long after a place was given or found, steps ahead and aside
-do not contradict odometry [s]. Time at rest does not count, as the filter then takes no scans."""
+do not contradict odometry [s]. Time at rest does not count, as the filter then takes no scans.
+Half: nothing changes beyond chance; twice: 41.3 % certain."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -101,9 +106,7 @@ class OdometryCheck:
 
     def observe(self, stamp: float, pose: Pose2, odometry: Pose2, covariance: Array) -> None:
         """Add a pose in the map with its covariance (3, 3), and odometry's pose, at a stamp."""
-        c, s = math.cos(pose.theta), math.sin(pose.theta)
-        robot_from_map = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
-        local = robot_from_map @ covariance @ robot_from_map.T
+        local = turned_covariance(covariance, -pose.theta)
         elapsed = 0.0
         if self._last is not None:
             last, before_odometry = self._last

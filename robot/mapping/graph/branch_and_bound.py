@@ -21,6 +21,7 @@ PRIOR = 0.02
 STACK = 64
 """Squares that wait at most: three a level."""
 NOWHERE = np.zeros(3)
+"""Inverse deviations of a pose that is supposed nowhere: all are alike."""
 Whole = NDArray[np.integer]
 
 

@@ -26,6 +26,7 @@ DEVIATIONS = 4.0
 WIDEST = np.array([6.0, 6.0, 1.0])
 """... but at most this far [m, m, rad]."""
 LEAST = np.array([0.2, 0.2, 0.08])
+"""... and at least this far, besides the uncertainty [m, m, rad]."""
 LEVELS = 6
 """Resolutions of the field."""
 SCORE = 0.55

@@ -22,7 +22,15 @@ from app.command_parser import CommandParser
 from app.engine import plugging
 from app.engine.plugging import plug_in
 from app.engine.robot_kind import RobotKind
-from app.feature import Feature, Guest, Late, Panel, RunOptions, Subcommand
+from app.feature import (
+    Feature,
+    Guest,
+    Late,
+    Panel,
+    RunOptions,
+    SettingOption,
+    Subcommand,
+)
 from app.feature_search import FeatureError, Features, find_features
 from app.features.own_models.named_models import NamedModels
 from app.features.ros.topics import TOPICS
@@ -82,7 +90,12 @@ LATE = {
         *feature.checks,
         *feature.lens_files,
         *feature.fields,
-        *(late for each in feature.run_options for late in (each.add, each.apply)),
+        *(
+            late
+            for each in feature.run_options
+            if isinstance(each, RunOptions)
+            for late in (each.add, each.apply)
+        ),
         feature.outlet,
     )
     if isinstance(late, Late)
@@ -434,7 +447,9 @@ def test_help_imports_nothing_that_a_command_needs():
             assert subcommand.name in done.stdout
 
 
-@pytest.mark.parametrize("record", [Feature, FieldSource, Guest, Panel, RunOptions, Subcommand])
+@pytest.mark.parametrize(
+    "record", [Feature, FieldSource, Guest, Panel, RunOptions, SettingOption, Subcommand]
+)
 def test_every_hook_is_documented(record):
     document = (ROOT / "docs" / "extending.md").read_text(encoding="utf-8")
     for field in dataclasses.fields(record):

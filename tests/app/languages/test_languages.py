@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from itertools import product
 from pathlib import Path
 
 import pytest
@@ -13,11 +14,11 @@ from hypothesis import strategies as st
 from app.engine.commands import parse
 from app.languages.catalogue import FOLDER, Catalogue, catalogue, languages, spoken
 from app.languages.docstrings import in_language
-from app.languages.extraction import ROOT, SILENT, SPEAKING, TELLING, Text, texts
+from app.languages.extraction import ROOT, SILENT, SPEAKING, TELLING, Text, _in_python, texts
 from app.languages.markup import texts_of_page, translated
 from app.languages.python_texts import texts_of_module
 from app.languages.script_texts import texts_of_script
-from app.languages.templates import Templates
+from app.languages.templates import PLACE, Templates, filled
 from app.languages.update import faults, read, updated
 from app.page.language import accepted
 from robot.errors import CommandError
@@ -212,6 +213,17 @@ def test_the_programs_own_words_are_told_in_german() -> None:
     late = own.translated("pictures seem to come 20 ms late")
     assert late == "Bilder scheinen 20 ms zu spät zu kommen"
     assert own.translated("page 2 at 192.168.1.7") == "Seite 2 auf 192.168.1.7"
+
+
+@pytest.mark.parametrize("code", languages()[1:])
+def test_each_text_of_python_is_found_again_with_values_in_it(code: str) -> None:
+    """No other text takes a finished message for its own, unless it says the same."""
+    own = catalogue(code)
+    told = sorted({text for text in _in_python(ROOT) if isinstance(text, str)})
+    for text, value in product(told, ("7", "wheel", "/home/eva/field.svg")):
+        names = sorted(set(PLACE.findall(text)))
+        values = {name: f"{value}{number}" for number, name in enumerate(names)}
+        assert own.translated(filled(text, values)) == filled(own.texts[text][0], values)
 
 
 def test_numbers_in_a_row_are_apart_by_more_than_a_decimal_sign() -> None:

@@ -116,6 +116,25 @@ def test_things_weigh_as_much_where_nothing_fits() -> None:
         assert after - before == pytest.approx(math.log(THING))
 
 
+@pytest.mark.parametrize("within", [0.0, 0.3, math.inf])
+@pytest.mark.parametrize("name", ["stub", "square", "town"])
+def test_only_a_pose_that_cannot_win_is_not_weighed_to_the_end(name: str, within: float) -> None:
+    """And whatever the order of the poses: those that are near the best have all their digits."""
+    rng = np.random.default_rng(1)
+    evidence, of = SCANNED[name], {"stub": STUB, "square": SQUARE, "town": TOWN}[name]
+    true = of.start
+    rays = seen_from(true, of)
+    poses = true.to_array() + rng.normal(0, [0.02, 0.02, 0.1], (200, 3))
+    alone = np.array([evidence.log_likelihoods(pose[None], rays)[0] for pose in poses])
+    logs = evidence.log_likelihoods(poses, rays, within=within)
+    ended = np.isinf(logs)
+    assert logs.max() == alone.max()
+    np.testing.assert_array_equal(logs[~ended], alone[~ended])
+    best = np.maximum.accumulate(alone)
+    assert (alone[ended] < best[ended] - within).all()
+    assert ended.any() == (within < math.inf)
+
+
 def test_returns_count_alike_however_far_rays_reach() -> None:
     """What is from anywhere may be anywhere along the ray."""
     far = RayEvidence.of(STUB, 4.0, SD)

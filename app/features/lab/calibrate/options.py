@@ -8,7 +8,10 @@ from typing import Any
 
 from app.command_parser import NO_OPTIONS, CommandParser
 from app.interruption import interruptible
-from app.options import Commands, add_camera, add_condition, add_config, add_map, add_serial_port
+from app.options import add_condition, add_config, add_settings
+
+Commands = Any
+"""What ``add_subparsers`` returns."""
 
 
 def add_calibrate(command: CommandParser) -> None:
@@ -35,8 +38,7 @@ def add_calibrate(command: CommandParser) -> None:
         metavar="RECORDING",
         help="a recorded drive, instead of driving now",
     )
-    _add_robot(drive, "which robot drives (default: sim)")
-    add_map(drive)
+    add_settings(drive, "robot", "map")
     drive.add_argument("--seconds", type=float, metavar="S", help="how long to drive (default: 60)")
     drive.add_argument(
         "--start",
@@ -45,7 +47,7 @@ def add_calibrate(command: CommandParser) -> None:
         metavar=("X", "Y", "THETA"),
         help="where the robot is at the beginning (default: the field's start)",
     )
-    drive.add_argument("--seed", type=int, metavar="N", help="which simulated robot (default: 0)")
+    add_settings(drive, "seed")
     drive.add_argument(
         "--out",
         type=Path,
@@ -56,8 +58,7 @@ def add_calibrate(command: CommandParser) -> None:
         "--report", type=Path, metavar="FILE.html", help="the report (default: beside the profile)"
     )
     add_condition(drive)
-    add_serial_port(drive)
-    add_camera(drive)
+    add_settings(drive, "serial_port", "camera")
     add_config(drive)
     drive.set_defaults(command=_drive)
 

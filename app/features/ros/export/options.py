@@ -7,7 +7,7 @@ from pathlib import Path
 
 from app.command_parser import CommandParser
 from app.interruption import interruptible
-from app.options import add_config, add_map, add_profile
+from app.options import add_config, add_settings
 
 
 def add_export(export: CommandParser) -> None:
@@ -20,8 +20,7 @@ def add_export(export: CommandParser) -> None:
         description="Write URDF, parameters and map for ROS 2; the numbers are this robot's.",
     )
     ros2.add_argument("folder", type=Path, metavar="DIR", help="where to; made if it is not there")
-    add_map(ros2)
-    add_profile(ros2)
+    add_settings(ros2, "map", "profile")
     add_config(ros2)
     ros2.add_argument(
         "--hardware-plugin",

@@ -1,0 +1,184 @@
+"""Trials of a constant of mapping or calibration: floors are drawn, and robots calibrated.
+
+Their drives are recorded once. A map lies on the floor as its first pose does.
+"""
+
+from __future__ import annotations
+
+import pickle
+import zlib
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from app.engine.build import Streams
+from app.engine.robots import build_robot
+from app.settings.conditions import apply_condition
+from app.settings.config import MAPS, Config
+from robot.calibration.adjustment import CalibrationError
+from robot.calibration.calibrate import START_COVARIANCE, calibrate
+from robot.calibration.drive_log import DriveLog, DriveRecorder
+from robot.calibration.programme import velocity
+from robot.description.spec import RobotSpec
+from robot.description.unknowns import ROBOT, Differences
+from robot.driving.differential_drive import DifferentialDrive
+from robot.driving.figure_eight import FigureEight
+from robot.fields.edges import sample
+from robot.fields.field import Field
+from robot.fields.field_loading import load_field
+from robot.fields.svg_field import field_of_drawing
+from robot.geometry import Array, Pose2, Twist2
+from robot.mapping.mapper import Mapper
+from robot.mapping.tape_map import MappingError
+from sim.imperfections import draw
+from sim.simulated import no_wait
+
+DRAWN = (("stub", 60200), ("tee", 60201), ("generated-2", 60202))
+"""Floors, and the robots that draw them; the last one's tape bends."""
+CALIBRATED = (60203, 60204)
+"""Robots that were built by hand, and calibrate themselves on the square."""
+LAP_S, CALIBRATION_S = 16.5, 30.0
+PLACED = Pose2(0.02, -0.02, 0.06)
+"""How far off the start of a calibration is told."""
+STEP = 0.004
+"""Distance of the points at which edges are compared [m]."""
+SAME_EDGE = 0.02
+"""An edge is drawn if one is this near [m], with its tape on the same side."""
+
+
+@dataclass(frozen=True, eq=False)
+class LoggedDrive:
+    """A drive as mapping and calibration take it, and the truth."""
+
+    log: DriveLog
+    field: Field
+    path: Array
+    """(k, 3) true poses at the pictures."""
+    values: Array
+    """(n,) true differences of the robot from its description."""
+    is_mapped: bool
+
+
+def recorded(kept: Path | None, seed: int = 0) -> list[LoggedDrive]:
+    """Return all drives; from a file, or to it if it is not there yet."""
+    if kept is not None and kept.exists():
+        drives: list[LoggedDrive] = pickle.loads(kept.read_bytes())  # our own, of a minute ago
+        return drives
+    eight = FigureEight()
+    drives = [
+        _driven("default", name, seed + number, LAP_S, eight.twist, is_mapped=True)
+        for name, number in DRAWN
+    ] + [
+        _driven("hand-built", "square", seed + number, CALIBRATION_S, velocity, is_mapped=False)
+        for number in CALIBRATED
+    ]
+    if kept is not None:
+        kept.write_bytes(pickle.dumps(drives))
+    return drives
+
+
+def _driven(
+    condition: str,
+    name: str,
+    seed: int,
+    seconds: float,
+    motion: Callable[[float], Twist2],
+    *,
+    is_mapped: bool,
+) -> LoggedDrive:
+    spec, field = RobotSpec.load(), load_field(name, MAPS)
+    config = apply_condition(Config(robot="sim"), condition)
+    # More pictures than the recorder takes would only be rendered.
+    camera = replace(config.sim.camera, frame_rate=10.0)
+    config = replace(config, sim=replace(config.sim, camera=camera))
+    robot = build_robot(config, spec, field, Streams.of(seed).robot, no_wait)
+    recorder = DriveRecorder(spec, config.scanner, field.tape, calibrated=is_mapped)
+    drive = DifferentialDrive(spec)
+    truths: list[tuple[float, ...]] = []
+    try:
+        while not truths or truths[-1][0] < seconds:
+            reading = robot.read()
+            recorder.add(reading)
+            assert reading.truth is not None
+            truths.append((reading.stamp, *reading.truth.to_array().tolist()))
+            robot.write(drive.wheels(motion(reading.stamp)))
+    finally:
+        robot.close()
+    delay = config.sim.camera.stamp_error
+    true = draw(spec, config.sim.imperfections, Streams.of(seed).robot)
+    path = np.array(truths)
+    path[:, 3] = np.unwrap(path[:, 3])
+    exposed = recorder.log.stamps - delay
+    poses = [np.interp(exposed, path[:, 0], column) for column in path.T[1:]]
+    values = Differences.between(spec, true, delay).values
+    return LoggedDrive(recorder.log, field, np.column_stack(poses), values, is_mapped)
+
+
+def tried(drives: list[LoggedDrive], other_numbers: int) -> dict[str, Any]:
+    """Draw the maps, and calibrate; return figures by name, and a number for each result.
+
+    Args:
+        other_numbers: if not 0, added to the seeds of other drives.
+    """
+    results = []
+    for drive in recorded(None, other_numbers) if other_numbers else drives:
+        try:
+            results.append(_drawn(drive) if drive.is_mapped else _calibrated(drive))
+        except (MappingError, CalibrationError):
+            results.append(FAILED)
+    maps, robots = results[: len(DRAWN)], results[len(DRAWN) :]
+    means, largest, missing = np.array([drawn.figures for drawn in maps]).T
+    paths, medians, most = np.array([calibrated.figures for calibrated in robots]).T
+    return {
+        "map's edges off [mm]": float(np.nanmean(means)),
+        "at most [mm]": float(np.nanmax(largest)),
+        "not drawn [%]": float(np.nanmean(missing)),
+        "calibrated path off [mm]": float(np.nanmean(paths)),
+        "unknowns off, median [sd]": float(np.nanmean(medians)),
+        "at most [sd]": float(np.nanmax(most)),
+        "refused": results.count(FAILED),
+        "each": [result.number for result in results],
+    }
+
+
+@dataclass(frozen=True)
+class AdjustedDrive:
+    """What came of a drive."""
+
+    figures: tuple[float, float, float]
+    number: int = 0
+    """Of the result; another result has another one."""
+
+
+FAILED = AdjustedDrive((np.nan, np.nan, np.nan))
+
+
+def _drawn(drive: LoggedDrive) -> AdjustedDrive:
+    """Draw a map; its edges' mean and largest error [mm], and the share that is missing [%]."""
+    start = Pose2.from_array(drive.path[0])
+    drawn = Mapper(drive.log, RobotSpec.load(), drive.field.tape[0].width, start).run()
+    text = drawn.drawing("drawn")
+    own, true = (
+        np.hstack([points, SAME_EDGE * normals])
+        for edges in (field_of_drawing(text, "drawn").edges, drive.field.edges)
+        for points, normals in [sample(edges, STEP)]
+    )
+    away = np.asarray(cKDTree(true).query(own)[0])
+    lacking = np.asarray(cKDTree(own).query(true)[0]) > SAME_EDGE
+    figures = 1e3 * float(away.mean()), 1e3 * float(away.max()), 100 * float(lacking.mean())
+    return AdjustedDrive(figures, zlib.crc32(text.encode()))
+
+
+def _calibrated(drive: LoggedDrive) -> AdjustedDrive:
+    """Calibrate; the path's error [mm], and the unknowns' median and largest error by their sd."""
+    start = Pose2.from_array(drive.path[0]) @ PLACED
+    calibrated = calibrate(drive.log, RobotSpec.load(), drive.field, start, START_COVARIANCE)
+    away = np.hypot(*(calibrated.solution.state.poses - drive.path)[:, :2].T)
+    errors = np.abs(calibrated.values[:ROBOT] - drive.values[:ROBOT]) / calibrated.sd[:ROBOT]
+    path = 1e3 * float(np.sqrt(np.mean(away**2)))
+    figures = path, float(np.median(errors)), float(errors.max())
+    return AdjustedDrive(figures, zlib.crc32(calibrated.values.tobytes()))
