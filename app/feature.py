@@ -222,5 +222,5 @@ class Feature:
             known = kinds.get(hook.name)
             for each in given:
                 if not (isinstance(each, known) if known else callable(each)):
-                    valid = " or a ".join(one.__name__ for one in known or ()) or "function"
+                    valid = " or a ".join(kind.__name__ for kind in known or ()) or "function"
                     raise TypeError(f"{hook.name} has {each!r}; valid is a {valid}")
