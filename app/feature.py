@@ -7,7 +7,7 @@ A package declares its features as entry points of the group ``brickpose.feature
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Any
@@ -146,7 +146,7 @@ class Feature:
     name: str
     """The name of its entry point, by which ``--without NAME`` leaves it out."""
     about: str
-    """What it is, in a few words, for ``brickpose doctor``."""
+    """What it is, in a few words: ``brickpose doctor`` shows it of other packages."""
     subcommands: tuple[Subcommand, ...] = ()
     """Commands of ``brickpose``; their names must be new."""
     settings: Callable[[], Any] | None = None
@@ -211,8 +211,16 @@ class Feature:
             "panels": (Panel,),
             "run_options": (RunOptions, SettingOption),
         }
-        for hook, kind in kinds.items():
-            for each in getattr(self, hook):
-                if not isinstance(each, kind):
-                    valid = " or a ".join(each.__name__ for each in kind)
-                    raise TypeError(f"{hook} has {each!r}; valid is a {valid}")
+        for hook in fields(self):
+            given = getattr(self, hook.name)
+            if hook.default is None and not (given is None or callable(given)):
+                raise TypeError(f"{hook.name} is {given!r}; valid is a function")
+            if hook.default != ():
+                continue
+            if not isinstance(given, tuple):
+                raise TypeError(f"{hook.name} is {given!r}; valid is a tuple of them")
+            known = kinds.get(hook.name)
+            for each in given:
+                if not (isinstance(each, known) if known else callable(each)):
+                    valid = " or a ".join(kind.__name__ for kind in known or ()) or "function"
+                    raise TypeError(f"{hook.name} has {each!r}; valid is a {valid}")

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import tomllib
+import traceback
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, is_dataclass, replace
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, ParamSpec, TypeVar
 
 from app.feature import Feature, Guest, Panel
 from app.languages.marking import phrase
@@ -30,11 +31,16 @@ GROUP = "brickpose.features"
 OURS = "brickpose"
 """The name of our own package."""
 
-PROJECT = Path(__file__).resolve().parents[1] / "pyproject.toml"
+ROOT = Path(__file__).resolve().parents[1]
+PROJECT = ROOT / "pyproject.toml"
 """Of a checkout; beside what is installed from a wheel there may be another package's."""
+OUR_CODE = tuple(str(ROOT / name) for name in ("app", "robot", "sim"))
+LIBRARY = str(Path(traceback.__file__).parent)
+"""Python's own modules, as those that import."""
+SERVER = frozenset({"anyio", "fastapi", "starlette", "uvicorn"})
+"""What calls the routes of features."""
 
-
-S = TypeVar("S")
+P = ParamSpec("P")
 T = TypeVar("T")
 
 
@@ -52,6 +58,8 @@ class Features:
     """Why others could not be: for people."""
     left_out: tuple[str, ...] = ()
     """Those that were to be left out, by name."""
+    packages: Mapping[str, str] = field(default_factory=dict)
+    """What pip calls the package of each, by the features' names."""
 
     def adding(self, feature: Feature) -> Features:
         """Return these and one more."""
@@ -78,7 +86,10 @@ class Features:
         for feature in self.active:
             if feature.settings is not None:
                 try:
-                    made[feature.name] = feature.settings()
+                    made[feature.name] = settings = feature.settings()
+                    if not is_dataclass(settings):
+                        words = f"its settings are a {type(settings).__name__}"
+                        raise FeatureError(f"{words}; valid is a dataclass")
                 except Exception as error:  # also a default that its own limits refuse
                     raise FeatureError(failure_of(feature.name, error)) from error
         return made
@@ -173,19 +184,25 @@ def find_features(without: Sequence[str] = (), taken: Iterable[str] = ()) -> Fea
                 f"there is no feature {name} to leave out; valid are {', '.join(names) or 'none'}"
             )
     loaded: dict[str, Feature] = {}
+    packages: dict[str, str] = {}
     failures: list[str] = []
     commands = set(taken)
     for entry in known:
         if entry.name in without:
             continue
+        package = OURS if entry.dist is None else entry.dist.name
+        if packages.setdefault(entry.name, package) != package:
+            failures.append(_twins(entry.name, package, packages[entry.name]))
+            continue
         try:
-            feature = _load(entry, loaded, commands)
+            feature = _load(entry, commands)
         except (Exception, SystemExit) as error:
             failures.append(failure_of(entry.name, error))
         else:
             loaded[feature.name] = feature
             commands |= {each.name for each in feature.subcommands}
-    return Features(tuple(loaded.values()), tuple(failures), tuple(dict.fromkeys(without)))
+    left_out = tuple(dict.fromkeys(without))
+    return Features(tuple(loaded.values()), tuple(failures), left_out, packages)
 
 
 def declared() -> Iterator[EntryPoint]:
@@ -210,14 +227,12 @@ def _project() -> dict[str, Any]:
     return project if project.get("name") == OURS else {}
 
 
-def _load(entry: EntryPoint, loaded: Collection[str], taken: Collection[str]) -> Feature:
-    """Return the record of a feature, after those that were loaded before.
+def _load(entry: EntryPoint, taken: Collection[str]) -> Feature:
+    """Return the record of a feature.
 
     Raises:
-        FeatureError: it is no such record, or has a name that is taken.
+        FeatureError: it is no such record, or has a command whose name is taken.
     """
-    if entry.name in loaded:
-        raise FeatureError(f"{entry.value} has the name of another feature")
     feature = entry.load()
     if not isinstance(feature, Feature):
         raise FeatureError(f"{entry.value} is a {type(feature).__name__}; valid is a Feature")
@@ -231,19 +246,63 @@ def _load(entry: EntryPoint, loaded: Collection[str], taken: Collection[str]) ->
     return feature
 
 
+def _twins(name: str, package: str, other: str) -> str:
+    """Return that two packages have a feature of one name: ``--without`` would leave out both."""
+    return phrase(
+        f"The feature {name} of the package {package} cannot be used: the package {other} has one "
+        "of that name; uninstall one of them, or rename its entry point."
+    )
+
+
 def _of_type(kind: type[T], part: object) -> T:
     if not isinstance(part, kind):
-        raise FeatureError(f"it makes a {type(part).__name__}; valid is a {kind.__name__}")
+        raise TypeError(f"it makes a {type(part).__name__}; valid is a {kind.__name__}")
     return part
 
 
 def failure_of(name: str, error: BaseException) -> str:
     """Return that a feature cannot be used, and why, for people."""
+    why = reason_of(error)
+    return phrase(f"The feature {name} cannot be used: {why}; --without {name} leaves it out.")
+
+
+def reason_of(error: BaseException) -> str:
+    """Return why a feature failed, for people.
+
+    What is no refusal has its type, and its file and line: those of the feature's own code, where
+    it last was in it.
+    """
     why = one_line(str(error)) or "no reason is given"
-    kind = "" if isinstance(error, BrickPoseError) else f"{type(error).__name__}: "
-    return phrase(
-        f"The feature {name} cannot be used: {kind}{why}; --without {name} leaves it out."
-    )
+    if isinstance(error, BrickPoseError):
+        return why
+    place = f" ({where})" if (where := _place_of(error)) else ""
+    return f"{type(error).__name__}: {why}{place}"
+
+
+def _place_of(error: BaseException) -> str:
+    """Return file and line by which people find a mistake; empty if only ours are known."""
+    if isinstance(error, SyntaxError):
+        return ""  # its text has both
+    frames = traceback.extract_tb(error.__traceback__)
+    lines = [(_module_of(each.filename), each.lineno) for each in frames if not _is_ours(each)]
+    lines = [(file, line) for file, line in lines if file.parts[0] not in SERVER]
+    own = [(file, line) for file, line in lines if file.parts[0] == lines[0][0].parts[0]]
+    return f"{own[-1][0].as_posix()}:{own[-1][1]}" if own else ""
+
+
+def _is_ours(frame: traceback.FrameSummary) -> bool:
+    """Whether a frame is of our own package, or of Python itself."""
+    file = frame.filename
+    library = file.startswith((LIBRARY, "<")) and "site-packages" not in file
+    return library or file.startswith(OUR_CODE)
+
+
+def _module_of(file: str) -> Path:
+    """Return a module's file below the folder from which Python imports its package."""
+    folder = Path(file).parent
+    while (folder / "__init__.py").is_file():
+        folder = folder.parent
+    return Path(file).relative_to(folder)
 
 
 @contextmanager
@@ -257,14 +316,19 @@ def _named(feature: Feature) -> Iterator[None]:
         raise FeatureError(failure_of(feature.name, error)) from error
 
 
-def named(feature: Feature, function: Callable[[S], T]) -> Callable[[S], T]:
+@dataclass(frozen=True)
+class _Named(Generic[P, T]):
+    feature: Feature
+    function: Callable[P, T]
+
+    def __call__(self, *given: P.args, **by_name: P.kwargs) -> T:
+        with _named(self.feature):
+            return self.function(*given, **by_name)
+
+
+def named(feature: Feature, function: Callable[P, T]) -> Callable[P, T]:
     """Return a feature's function.
 
     It raises a FeatureError, which names the feature, if the feature's own code raises anything.
     """
-
-    def call(given: S) -> T:
-        with _named(feature):
-            return function(given)
-
-    return call
+    return _Named(feature, function)

@@ -89,7 +89,9 @@ const view3d = new View3d(appearance, order, (target) => {
 /** @type {import("./page/added_panels.js").AddedPanels | null} */
 let added = null;
 if (document.querySelector("main > [data-script]")) {
-  import("./page/added_panels.js").then(({ AddedPanels }) => (added = new AddedPanels({ order })));
+  import("./page/added_panels.js").then(
+    ({ AddedPanels }) => (added = new AddedPanels({ order }, toasts)),
+  );
 }
 const layout = new Layout((text) => toasts.show(text));
 new LayoutMenu(layout, toasts);

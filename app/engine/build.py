@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,6 +20,7 @@ from app.engine.parameter_changes import changed_values
 from app.engine.plugging import companions_of, models_of
 from app.engine.profile_command import calibration_command
 from app.engine.program import LocalProgram
+from app.engine.robot_facts import close_robot
 from app.engine.robots import build_robot, resolve_robot, robot_kind, robot_spec
 from app.engine.start_pose.pose_file import pose_path
 from app.engine.start_pose.start import Start, start
@@ -80,24 +82,29 @@ def build_program(
     """
     config, _ = resolve_robot(config)
     field = field or load_field(config.map, MAPS)
-    spec = robot_spec(config)
-    scanner = scanner or LineScanner(spec.floor_view, config.scanner, field.tape)
     added = models_of(config, field)
     path = pose_path(config.start_pose.pose_file, config.robot, field)
     begin = start(config.start_pose, path, field)
-    robot = robot or build_robot(config, spec, field, Streams.of(config.seed).robot, wait)
-    if begin.truth is not None and isinstance(robot, RepositionableRobot):
-        robot.place(begin.truth)
-    engine = build_engine(
-        config,
-        robot,
-        field,
-        scanner,
-        added=added,
-        begin=begin,
-        parameters=config.localization,
-        entries=entries,
-    )
+    if robot is None:
+        rng = Streams.of(config.seed).robot
+        robot = build_robot(config, robot_spec(config), field, rng, wait)
+    with ExitStack() as failing:
+        failing.callback(robot.close)
+        # It knows itself best: a robot that was given, or does not take its description from us.
+        scanner = scanner or LineScanner(robot.spec.floor_view, config.scanner, field.tape)
+        if begin.truth is not None and isinstance(robot, RepositionableRobot):
+            robot.place(begin.truth)
+        engine = build_engine(
+            config,
+            robot,
+            field,
+            scanner,
+            added=added,
+            begin=begin,
+            parameters=config.localization,
+            entries=entries,
+        )
+        failing.pop_all()
     if begin.complaint is not None:
         engine.note(begin.complaint)
     return LocalProgram(engine, robot, field, config, path, choice_of(added))
@@ -155,7 +162,7 @@ def build_on_field(
     if not (isinstance(robot, SimulatedRobot) or robot_kind(program.config).is_simulated):
         place = Hypothesis(1.0, field.start, parameters.filter.initial_covariance)
         return build_on_map(program, name, field, place)
-    robot.close()
+    close_robot(robot)
     begins = replace(program.config.start_pose, restore_pose=False, set_initial_pose=False)
     config = replace(program.config, map=name, start_pose=begins)
     following = build_program(config, wait, field=field)

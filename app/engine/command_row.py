@@ -145,12 +145,10 @@ def collected(rows: Iterable[CommandRow]) -> Mapping[type[CommandMessage], Comma
 
     Raises:
         ValueError: two rows have commands of the same type.
-        TypeError: one is no row.
+        TypeError: what one is for is no command.
     """
     table: dict[str, CommandRow] = {}
     for row in rows:
-        if not isinstance(row, CommandRow):
-            raise TypeError(f"a row of the commands is {row!r}; valid is a CommandRow")
         if not (issubclass(row.command, CommandMessage) and "type" in row.command.model_fields):
             raise TypeError(
                 f"{row.command.__name__} is no command; valid is a CommandMessage with a type"

@@ -65,7 +65,8 @@ def refusal_of(error: ValidationError) -> str:
         name = one_line(str(first["ctx"]["tag"]))[:LONGEST_NAME]
         valid = ", ".join(sorted(type_of(each) for each in table()))
         return phrase(f"no feature here has the command {name!r}; valid are {valid}")
-    return in_words(error)
+    named = (each for each in table() if (type_of(each),) == first["loc"][:-1])
+    return in_words(error, next((each.model_fields for each in named), ()))
 
 
 def row_of(command: Command) -> CommandRow:

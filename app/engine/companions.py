@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from contextlib import suppress
 from types import MappingProxyType
 from typing import Protocol
 
 from app.engine.controls import Controls
-from app.engine.problems import LOG
+from app.engine.problems import LOG, failing_alone
+from app.feature_search import reason_of
 from app.languages.marking import phrase
 from app.messages.commands import Command
 from app.settings.config import Config
-from robot.errors import one_line
 from robot.fields.field import Field
 from robot.geometry import Pose2
 from robot.interface import Reading, Robot
@@ -63,19 +62,32 @@ class Companions:
         self._each = tuple(companions)
         self._failures = failures
         """To be reported with the first tick."""
+        self._given: list[tuple[Command, str, Companion]] = []
+        """This tick's commands, and whose they are."""
 
     def commands(self, odom_from_robot: Pose2, controls: Controls) -> tuple[Command, ...]:
         """Return the commands of all of them."""
         for name, failure in self._failures.items():
             controls.report(name, failure)
         self._failures = {}
-        given: list[Command] = []
+        self._given = []
         for name, companion in self._each:
             try:
-                given += companion.commands(odom_from_robot, controls)
+                given = tuple(companion.commands(odom_from_robot, controls))
+                for command in given:
+                    if not isinstance(command, Command):
+                        raise TypeError(f"it commands {command!r}; valid is a CommandMessage")
+                self._given += ((command, name, companion) for command in given)
             except Exception as error:
                 self._leave_out(name, companion, error, controls)
-        return tuple(given)
+        return tuple(command for command, _, _ in self._given)
+
+    def leave_out_giver(self, command: Command, error: Exception, controls: Controls) -> bool:
+        """Leave out who gave a command that failed; return whether it was one of them."""
+        givers = [(name, giver) for given, name, giver in self._given if given is command]
+        for name, giver in givers:
+            self._leave_out(name, giver, error, controls)
+        return bool(givers)
 
     def add(self, reading: Reading, controls: Controls) -> None:
         """Show a reading to all of them."""
@@ -102,17 +114,18 @@ class Companions:
         return shown
 
     def close(self) -> None:
-        """End all of them."""
-        for _, companion in self._each:
-            companion.close()
+        """End all of them, whatever one of them raises."""
+        for name, companion in self._each:
+            with failing_alone(name):
+                companion.close()
 
     def _leave_out(
         self, name: str, companion: Companion, error: Exception, controls: Controls
     ) -> None:
-        LOG.exception("the feature %s failed", name)
+        LOG.error("the feature %s failed", name, exc_info=error)
         self._each = tuple(each for each in self._each if each[1] is not companion)
-        with suppress(Exception):  # it is broken, and the robot drives
+        with failing_alone(name):  # it is broken, and the robot drives
             companion.close()
-        why = one_line(str(error)) or type(error).__name__
+        why = reason_of(error)
         words = phrase(f"The feature {name} no longer follows the drive: {why}.")
         controls.report(name, words)

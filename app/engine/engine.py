@@ -21,19 +21,23 @@ from app.engine.control import ControlLoop
 from app.engine.controls import Controls
 from app.engine.localization import Localization
 from app.engine.loop_statistics import LoopMeter
-from app.engine.problems import LOG
+from app.engine.problems import LOG, failing_alone
 from app.engine.rest import STANDS_S, Standstill
 from app.engine.snapshot import Snapshot
+from app.feature_search import FeatureError, reason_of
 from app.languages.marking import phrase
 from app.messages.commands import Command
 from robot.driving.odometry import OdometryState
-from robot.errors import BrickPoseError, one_line
-from robot.geometry import Twist2
+from robot.errors import BrickPoseError
+from robot.geometry import Array, Twist2
 from robot.interface import RESTING_PERIOD, Frame, Reading, RestingRobot, RobotError
 from robot.scan import Scan
 
 FRAME_OVERDUE = 0.5
 """Time without a picture [s], or three usual periods if longer, after which the camera stalled."""
+
+MUCH_TOO_FAST = 1.1
+"""By so much may a robot's clock run ahead of this computer's: no clock that waits does."""
 
 WARM_UP_TICKS = 500
 """Ticks after which all compiled code is loaded: hundreds of thousands of objects that live as long
@@ -129,10 +133,13 @@ class Engine(ControlLoop):
         """Step until ``stop`` is set; the robot is then closed, or handed over."""
         self.audience.leave()  # whoever made the engine
         try:
+            began = 0.0, 0.0
             for count in itertools.count():
                 if stop.is_set():
                     break
-                self.step()
+                stamp = self.step().stamp
+                began = began if count else (time.monotonic(), stamp)
+                self._check_pace(*began, stamp)
                 if count == WARM_UP_TICKS:
                     gc.freeze()
         except Exception as error:
@@ -140,13 +147,21 @@ class Engine(ControlLoop):
             kind = "" if isinstance(error, BrickPoseError) else f"{type(error).__name__}: "
             self.fail(f"The robot stopped: {kind}{error}")
         finally:
-            self._leave_robot()
+            with failing_alone(self.controls.robot.name):
+                self._leave_robot()
             self._companions.close()
 
     def where_it_hangs(self, thread: int | None) -> Sequence[str]:
         """Return in words which lines of users' files a thread is running."""
         added = self.controls.follower.added
         return [words for models in added if (words := models.running(thread))]
+
+    def _check_pace(self, began: float, first: float, stamp: float) -> None:
+        """Report a robot of others that does not wait: what it does is too fast to be driven."""
+        passed = time.monotonic() - began
+        if self.controls.faults is None and stamp - first > MUCH_TOO_FAST * passed + 1.0:
+            fast = phrase("The robot's clock is too fast: does its read wait until its stamp?")
+            self.controls.report("pace", fast)
 
     def _leave_robot(self) -> None:
         robot = self.controls.robot
@@ -158,7 +173,9 @@ class Engine(ControlLoop):
     def _advance(self, reading: Reading, commands: tuple[Command, ...]) -> Snapshot:
         self._meter.begin()
         controls, driving = self.controls, self.controls.driving
-        _require_sound(reading, len(controls.robot.spec.joints))
+        joints = len(controls.robot.spec.joints)
+        _require_sound("positions", reading.positions, joints)
+        _require_sound("velocities", reading.velocities, joints)
         controls.stamp = reading.stamp
         odometry = controls.odometry.update(reading)
         controls.reload_models()
@@ -170,27 +187,34 @@ class Engine(ControlLoop):
         controls.stop_while_faulty(connected=reading.connected, faults=reading.faults)
         kinematics = controls.odometry.drive
         wheels = controls.robot.write(kinematics.wheels(driving.update(odometry)))
+        _require_sound("applied velocities", wheels, joints)
         self._applied = reading, kinematics.twist(wheels)
         return self._snapshot(reading, commands, odometry, self._applied[1])
 
     def _take(self, commands: tuple[Command, ...], odometry: OdometryState) -> None:
         self.controls.follower.note(odometry.odom_from_robot)
         for command in commands:
+            name = str(getattr(command, "type", type(command).__name__))
             try:
                 self._apply(command, self.controls, odometry)
+                self.controls.report(f"command:{name}", None)
             except RobotError:
                 raise
             except Exception as error:
-                self._refuse(command, error)
+                self._refuse(name, command, error)
 
-    def _refuse(self, command: Command, error: Exception) -> None:
+    def _refuse(self, name: str, command: Command, error: Exception) -> None:
         """Name a command that could not be carried out; in doubt the robot stands."""
-        name = getattr(command, "type", type(command).__name__)
         LOG.exception("the command %s failed", name)
-        self.controls.driving.stop()
-        kind, why = type(error).__name__, one_line(str(error)) or "no reason is given"
-        words = phrase(f"The command {name} failed: {kind}: {why}.")
-        self.controls.problems.note(self.controls.stamp, words)
+        controls, why = self.controls, reason_of(error)
+        controls.driving.stop()
+        if self._companions.leave_out_giver(command, error, controls):
+            return
+        words = phrase(f"The command {name} failed: {why}")
+        if isinstance(error, FeatureError) or not isinstance(error, BrickPoseError):
+            controls.report(f"command:{name}", words)
+        else:
+            controls.problems.note(controls.stamp, words)
 
     def _localize(self, reading: Reading) -> None:
         controls = self.controls
@@ -287,17 +311,15 @@ class Engine(ControlLoop):
         )
 
 
-def _require_sound(reading: Reading, joints: int) -> None:
-    """Refuse a reading that would make everything after it unknown.
+def _require_sound(name: str, values: Array, joints: int) -> None:
+    """Refuse an answer of the robot that would make everything after it unknown.
 
     Raises:
         RobotError: names what is not a number for each joint.
     """
-    for name, values in (("positions", reading.positions), ("velocities", reading.velocities)):
-        if values.shape != (joints,) or not np.isfinite(values).all():
-            raise RobotError(
-                f"the robot's {name} are {values.tolist()}; valid are {joints} finite numbers"
-            )
+    if np.shape(values) != (joints,) or not np.isfinite(values).all():
+        given = np.asarray(values).tolist()
+        raise RobotError(f"the robot's {name} are {given}; valid are {joints} finite numbers")
 
 
 def _exposed(frame: Frame | None, delay: float) -> Frame | None:

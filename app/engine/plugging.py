@@ -7,19 +7,19 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from app.engine.added_models import AddedModels, NewModels
 from app.engine.command_row import CommandRow, collected
 from app.engine.companions import Companions, NewCompanion
 from app.engine.program import Program
-from app.engine.robot_kind import RobotKind
+from app.engine.robot_kind import Blueprint, RobotKind, require_robot
 from app.engine.value import Value
 from app.feature import Feature
 from app.feature_search import Features, failure_of, find_features, named
 from app.messages.message import CommandMessage, Message
 from app.messages.schema import MESSAGES, parts_of
-from app.settings.config import Config
+from app.settings.config import AUTO, DOCS, Config
 from robot.camera import Lens
 from robot.errors import BrickPoseError
 from robot.fields.field import Field
@@ -44,7 +44,7 @@ ROOM_WITH_VALUES = "app.engine.values"
 ROOM_WITH_ROBOTS = "app.engine.simulated_robots"
 
 M = TypeVar("M")
-Named = TypeVar("Named", Value, FilterKind, PhysicsEngine)
+Named = TypeVar("Named", Value, RobotKind, FilterKind, PhysicsEngine)
 T = TypeVar("T")
 
 
@@ -53,7 +53,7 @@ class Plugged:
     """The engine's tables, ours first."""
 
     features: Features
-    """Those that take part; one whose commands or values cannot be used is among the failures."""
+    """Those that take part."""
     rows: Mapping[type[CommandMessage], CommandRow]
     """How each type of command is carried out."""
     values: tuple[Value, ...]
@@ -76,6 +76,8 @@ class Plugged:
     """Readers of lens files that are not as ours are."""
     fields: tuple[FieldSource, ...] = ()
     """Fields besides the drawings."""
+    documents: tuple[Path, ...] = ()
+    """Documents besides the core's."""
 
     @property
     def without(self) -> str:
@@ -102,11 +104,11 @@ class Plugged:
             ValueError: something has a name that is taken.
             TypeError: something is of another type than its hook takes.
         """
-        rows = [row for make in feature.commands for row in make()]
+        rows = [_command_row(feature, row) for make in feature.commands for row in make()]
         values = [value for make in feature.values for value in make()]
         companions = tuple((feature.name, make) for make in feature.companions)
         models = tuple((feature.name, make) for make in feature.models)
-        robots = {kind.name: kind for make in feature.robots for kind in make()}
+        robots = [kind for make in feature.robots for kind in make()]
         messages = [message for make in feature.messages for message in make()]
         lens_files = (named(feature, read) for read in feature.lens_files)
         fields = [_field_source(feature, each) for make in feature.fields for each in make()]
@@ -115,8 +117,12 @@ class Plugged:
         collected_rows = collected((*self.rows.values(), *rows))
         _require_new("value", Value, values, self.values)
         _require_messages((*collected_rows, *messages), self.all_messages)
-        for name in robots.keys() & self.robots.keys():
-            raise ValueError(f"there is a robot {name!r} already")
+        _require_new("robot", RobotKind, robots, self.robots.values(), (AUTO,))
+        documents = {path.name: path for path in (*DOCS.glob("*.md"), *self.documents)}
+        for path in feature.documents:
+            if documents.setdefault(path.name, path) is not path:
+                raise ValueError(f"there is a document {path.name!r} already")
+            path.stat()
         _require_new("filter", FilterKind, filters, self.filters, OURS)
         _require_new("physics engine", PhysicsEngine, engines, self.engines, OUR_CHOICES)
         return replace(
@@ -125,12 +131,13 @@ class Plugged:
             values=(*self.values, *values),
             companions=(*self.companions, *companions),
             models=(*self.models, *models),
-            robots={**self.robots, **robots},
+            robots={**self.robots, **{kind.name: _robot_kind(feature, kind) for kind in robots}},
+            documents=(*self.documents, *feature.documents),
             messages=(*self.messages, *messages),
             lens_files=(*self.lens_files, *lens_files),
             fields=(*self.fields, *fields),
             filters=(*self.filters, *filters),
-            builders=(*self.builders, *feature.builders),
+            builders=(*self.builders, *(named(feature, build) for build in feature.builders)),
             engines=(*self.engines, *engines),
         )
 
@@ -144,17 +151,18 @@ def plug_in(features: Features) -> Features:
     """Let features take part in this process, in place of those before.
 
     Returns:
-        The features, with those named as failures whose commands or values cannot be used.
+        Those of the features that can be used, and why the others cannot.
     """
     tables = Plugged.of_core(features)
 
-    def add(feature: Feature) -> Iterable[None]:
+    def add(feature: Feature) -> Iterable[Feature]:
         nonlocal tables
         tables = tables.with_feature(feature)
-        return ()
+        return (feature,)
 
-    _, failures = features.made(add)
-    features = replace(features, failures=(*features.failures, *failures))
+    usable, failures = features.made(add)
+    failures = [*features.failures, *failures]
+    features = replace(features, active=tuple(usable), failures=tuple(failures))
     with _LOCK:
         _PLUGGED[:] = [replace(tables, features=features)]
     return features
@@ -219,6 +227,22 @@ def _require_new(
         if part.name in names:
             raise ValueError(f"there is a {hook} {part.name!r} already")
         names.add(part.name)
+
+
+def _command_row(feature: Feature, row: object) -> CommandRow:
+    if not isinstance(row, CommandRow):
+        raise TypeError(f"a row of the commands is {row!r}; valid is a CommandRow")
+    parts = ("apply", "act", "allowed", "check", "check_field")
+    guarded: dict[str, Any] = {part: named(feature, getattr(row, part)) for part in parts}
+    return replace(row, **guarded)
+
+
+def _robot_kind(feature: Feature, kind: RobotKind) -> RobotKind:
+    def build(blueprint: Blueprint) -> Robot:
+        return require_robot(kind.build(blueprint))
+
+    described = named(feature, kind.description)
+    return replace(kind, build=named(feature, build), description=described)
 
 
 def _field_source(feature: Feature, source: object) -> FieldSource:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 KEPT = 100
@@ -11,6 +12,15 @@ KEPT = 100
 LOG = logging.getLogger("brickpose")
 CLIENTS_LOG = logging.getLogger("brickpose.clients")
 """Mistakes of clients: only a few lines of each kind a minute are logged."""
+
+
+@contextmanager
+def failing_alone(name: str) -> Iterator[None]:
+    """Log what the end of a feature, or of a robot, raises: others have to end, too."""
+    try:
+        yield
+    except Exception:
+        LOG.exception("%s failed at its end", name)
 
 
 @dataclass(frozen=True, slots=True)

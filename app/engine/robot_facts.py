@@ -4,9 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from app.engine.problems import failing_alone
 from robot.description.spec import RobotSpec
 from robot.interface import PhysicalRobot, RepositionableRobot, Robot
 from sim.simulated import SimulatedRobot
+
+
+def close_robot(robot: Robot) -> None:
+    """Close a robot; if it cannot be, that is logged: all else has to end, too."""
+    with failing_alone(robot.name):
+        robot.close()
 
 
 @dataclass(frozen=True)

@@ -33,6 +33,21 @@ def as_it_is(config: Config) -> Config:
     return config
 
 
+def require_robot(robot: Robot) -> Robot:
+    """Return a robot as the program needs it.
+
+    Raises:
+        TypeError: it is none, or has no name or description; names what is valid.
+    """
+    for name, kind in (("name", str), ("spec", RobotSpec)):
+        if not isinstance(value := getattr(robot, name, None), kind):
+            raise TypeError(f"the robot's {name} is {value!r}; valid is a {kind.__name__}")
+    for name in ("read", "write", "close"):
+        if not callable(getattr(robot, name, None)):
+            raise TypeError(f"the robot has no {name}; robot/interface.py says what it does")
+    return robot
+
+
 @dataclass(frozen=True, kw_only=True)
 class RobotKind:
     """One choice of ``--robot``."""
@@ -40,9 +55,11 @@ class RobotKind:
     name: str
     """What ``--robot`` calls it."""
     about: str
-    """What it is, in a few words, for ``brickpose run --help``."""
+    """What it is, in a few words, for ``brickpose doctor``."""
     build: Callable[[Blueprint], Robot]
     """Builds one, which is active from then on."""
+    description: Callable[[], RobotSpec] = RobotSpec.load
+    """Returns it as it is drawn, without a profile; by default that is the program's own robot."""
     is_simulated: bool = False
     """Whether a seed draws it: conditions and faults have an effect. A real robot keeps a profile
     of its own, which its calibrations write."""

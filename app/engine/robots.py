@@ -33,7 +33,7 @@ def robot_kind(config: Config) -> RobotKind:
         return SIM
     if config.robot not in robots:
         valid = ", ".join((AUTO, *robots))
-        words = phrase(f"robot is {config.robot!r}; valid are {valid}")
+        words = phrase(f"robot is {config.robot!r}; valid are {valid}") + plugged().without
         raise SettingError(". ".join((words, *plugged().features.failures)))
     return robots[config.robot]
 
@@ -44,7 +44,7 @@ def robot_spec(config: Config) -> RobotSpec:
     Raises:
         SpecError: the profile cannot be read, or is of another robot.
     """
-    spec, path = RobotSpec.load(), profile_file(config)
+    spec, path = robot_kind(config).description(), profile_file(config)
     return spec if path is None else load_profile(path).applied_to(spec)
 
 
@@ -56,10 +56,8 @@ def profile_file(config: Config) -> Path | None:
     """
     if config.profile:
         return None if config.profile == NONE else Path(config.profile)
-    if robot_kind(config).is_simulated:
-        return None
-    path = own_profile(RobotSpec.load().name)
-    return path if path.exists() else None
+    path = own_file(config)
+    return path if path and path.exists() else None
 
 
 def written_file(config: Config) -> Path | None:
@@ -67,9 +65,14 @@ def written_file(config: Config) -> Path | None:
 
     None if the robot is simulated: its calibration ends with the program.
     """
-    if robot_kind(config).is_simulated:
-        return None
-    return profile_file(config) or own_profile(RobotSpec.load().name)
+    own = own_file(config)
+    return own and (profile_file(config) or own)
+
+
+def own_file(config: Config) -> Path | None:
+    """Return the file of a real robot's own profile; None if the robot is simulated."""
+    kind = robot_kind(config)
+    return None if kind.is_simulated else own_profile(kind.description().name)
 
 
 def build_robot(

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from app.engine.snapshot import Snapshot
+from app.feature_search import reason_of
 from app.languages.marking import phrase
-from robot.errors import one_line
 
 LOG = logging.getLogger("brickpose")
 
@@ -48,9 +48,8 @@ class Value:
         except Exception as error:
             if self.name not in UNREADABLE:
                 LOG.exception("the value %s cannot be read", self.name)
-            why = one_line(str(error)) or "no reason is given"
-            kind = type(error).__name__
-            UNREADABLE[self.name] = phrase(f"The value {self.name} cannot be read: {kind}: {why}.")
+            why = reason_of(error)
+            UNREADABLE[self.name] = phrase(f"The value {self.name} cannot be read: {why}.")
             return None
         UNREADABLE.pop(self.name, None)
         return value

@@ -20,7 +20,7 @@ TELLING = (
     "app/features/calibration", "app/features/mapping", "app/features/navigation",
     "app/features/own_models",
     "app/features/recordings", "app/features/weighing",
-    "app/files.py", "app/settings/conditions.py", "app/settings/faults.py",
+    "app/result_files.py", "app/settings/conditions.py", "app/settings/faults.py",
     "app/settings/field_names.py", "robot/calibration", "robot/description/profile.py",
     "robot/description/unknowns.py", "robot/description/lens_table.py", "robot/cameras",
     "robot/fields", "robot/hat", "robot/interface.py", "robot/localization", "robot/mapping",
@@ -65,9 +65,37 @@ SILENT = (
 """Modules that speak to whoever starts the program, not to the page."""
 
 
+PYDANTICS = (
+    "Extra inputs are not permitted",
+    "Field required",
+    "Input should be a finite number",
+    "Input should be a valid boolean",
+    "Input should be a valid dictionary",
+    "Input should be a valid integer",
+    "Input should be a valid list",
+    "Input should be a valid number",
+    "Input should be a valid string",
+    "Input should be greater than or equal to {ge}",
+    "Input should be greater than {gt}",
+    "Input should be less than or equal to {le}",
+    "Input should be less than {lt}",
+    "Input should be {expected}",
+    "Invalid JSON: {error}",
+    "List should have at least {min_length} item after validation, not {actual_length}",
+    "List should have at least {min_length} items after validation, not {actual_length}",
+    "List should have at most {max_length} item after validation, not {actual_length}",
+    "List should have at most {max_length} items after validation, not {actual_length}",
+    "String should have at most {max_length} characters",
+    "Unable to extract tag using discriminator 'type'",
+    "Value error, {error}",
+)
+"""What pydantic says of messages that it refuses."""
+
+
 def texts(root: Path = ROOT) -> set[Text]:
     """Return all of them."""
-    return {*_in_pages(root), *_in_scripts(root), *_in_python(root), *_in_lessons(root)}
+    ours = {*_in_pages(root), *_in_scripts(root), *_in_python(root), *_in_lessons(root)}
+    return ours | set(PYDANTICS)
 
 
 def _in_pages(root: Path) -> Iterator[Text]:

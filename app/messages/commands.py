@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import Annotated, Literal
 
 from pydantic import AwareDatetime, Field, ValidationError
 
+from app.languages.marking import phrase
 from app.messages.message import CommandMessage, Layer, Message, Metres, Radians
 
 Command = CommandMessage
@@ -165,8 +167,11 @@ class ErrorMessage(Message):
     message: str
 
 
-def in_words(error: ValidationError) -> str:
-    """Return the first mistake and where it is, in words."""
+def in_words(error: ValidationError, known: Collection[str] = ()) -> str:
+    """Return the first mistake and where it is, in words; ``known`` keys are valid there."""
     first = error.errors(include_url=False, include_input=False)[0]
     path = ".".join(str(part) for part in first["loc"])
+    if first["type"] == "extra_forbidden" and known:
+        valid = ", ".join(map(repr, known))  # quoted, they are not translated
+        return phrase(f"{path} is unknown; valid are {valid}")
     return f"{path}: {first['msg']}" if path else first["msg"]

@@ -19,6 +19,7 @@ from app.engine.mailboxes.slow_lane import SlowLane
 from app.engine.mailboxes.websocket_writer import WebsocketWriter
 from app.engine.program import Program
 from app.engine.snapshot import Snapshot
+from app.feature_search import reason_of
 from app.languages.marking import phrase
 from app.messages.commands import (
     AckMessage,
@@ -30,7 +31,7 @@ from app.page.outlets import Outlets
 from app.page.telemetry import TelemetryWriter
 from app.page.token_guard import may_run_code, role_in
 from app.page.tokens import Role
-from robot.errors import BrickPoseError, CommandError, one_line
+from robot.errors import BrickPoseError, CommandError
 
 LOG = logging.getLogger("brickpose")
 
@@ -165,8 +166,7 @@ def _refused(command_id: int | str | None, error: Exception) -> str:
     words = str(error)
     if not isinstance(error, BrickPoseError):
         LOG.error("a command failed", exc_info=error)
-        why = one_line(words) or "no reason is given"
-        words = f"the command failed: {type(error).__name__}: {why}"
+        words = f"the command failed: {reason_of(error)}"
     return ErrorMessage(id=command_id, message=words).model_dump_json()
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from contextlib import ExitStack, suppress
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar, cast
 
 from app.engine.command_row import Part, Request
@@ -11,14 +11,16 @@ from app.engine.commands import row_of
 from app.engine.driver import Driver
 from app.engine.drivers import Drivers
 from app.engine.plugging import plugged
-from app.engine.problems import LOG
+from app.engine.problems import LOG, failing_alone
 from app.engine.program import Program
+from app.engine.values import value_failures
 from app.feature import Feature
+from app.feature_search import reason_of
 from app.languages.marking import phrase
 from app.messages.commands import Command
 from app.page.commands import CHANGES
 from app.page.program_changes import ChangeMap, GoOn, ProgramChanges
-from robot.errors import BrickPoseError, one_line
+from robot.errors import BrickPoseError
 
 if TYPE_CHECKING:
     from fastapi import APIRouter
@@ -107,9 +109,11 @@ class Outlets:
             program, self.drivers, self._require_endable, change_map, go_on
         )
         self._parts: dict[str, object] = {CHANGES.name: self.changes}
-        self._shared: list[Closable] = []
+        self._shared: dict[str, Closable] = {}
         self._outlets: dict[str, Outlet] = {}
         """By the names of their features."""
+        self._routes: dict[str, str] = {}
+        """How each route failed last, by its path."""
         _, self._broken = plugged().features.made(self._add)
 
     def _add(self, feature: Feature) -> tuple[()]:
@@ -128,7 +132,7 @@ class Outlets:
         if part.name not in self._parts:
             made = make()
             self._parts[part.name] = made
-            self._shared.append(made)
+            self._shared[part.name] = made
         return cast(C, self._parts[part.name])
 
     def part(self, part: Part[T]) -> T | None:
@@ -157,9 +161,15 @@ class Outlets:
 
     @property
     def failures(self) -> list[str]:
-        """The current problems, in words."""
+        """The current problems of features, in words."""
         present = self._of_each(lambda outlet: outlet.failures)
-        return [*self._broken, *present]
+        routes = self._routes.values()
+        return [*self.program.complaints, *self._broken, *present, *value_failures(), *routes]
+
+    def note_route(self, path: str, error: Exception) -> str:
+        """Return that a route failed, in words; from now on it is a problem."""
+        self._routes[path] = phrase(f"The address {path} failed: {reason_of(error)}.")
+        return self._routes[path]
 
     def handed_on(self) -> dict[str, object]:
         """Return what the outlets of the next program have to know, by the features' names."""
@@ -201,7 +211,8 @@ class Outlets:
                 self._broken.append(_failure(name, error))
                 self._outlets.pop(name, None)
                 self._take_away(outlet)
-                outlet.close()
+                with failing_alone(name):
+                    outlet.close()
         return collected
 
     def _take_away(self, outlet: Outlet) -> None:
@@ -212,10 +223,9 @@ class Outlets:
 
     def close(self) -> None:
         """End all outlets, and wait until a recording is written; may be called twice."""
-        # The last callback is called first; each is, whatever the others raise.
-        with ExitStack() as stack:
-            for part in (*self._shared, *reversed(self._outlets.values())):
-                stack.callback(part.close)
+        for name, part in (*self._outlets.items(), *reversed(self._shared.items())):
+            with failing_alone(name):
+                part.close()
 
 
 def _members(telemetry: Mapping[str, Any]) -> Iterable[tuple[str, Any]]:
@@ -235,5 +245,5 @@ def _started(outlet: Outlet) -> tuple[()]:
 
 
 def _failure(name: str, error: Exception) -> str:
-    why = one_line(str(error)) or "no reason is given"
-    return phrase(f"The feature {name} has failed: {type(error).__name__}: {why}.")
+    why = reason_of(error)
+    return phrase(f"The feature {name} has failed: {why}.")

@@ -8,15 +8,13 @@ from pathlib import Path
 
 import anyio
 from fastapi import APIRouter, FastAPI, HTTPException, Request, Response, WebSocket
+from fastapi.responses import JSONResponse
 
 from app.engine.engine_thread import EngineThread
 from app.engine.program import Program
 from app.engine.rest import Audience
 from app.engine.start_pose.keeping import PoseKeeper
-from app.messages.answers import (
-    content,
-    refusal,
-)
+from app.messages.answers import content, refusal
 from app.page.application import new_application
 from app.page.camera_stream import STREAM, CameraStream
 from app.page.faults import faults_router
@@ -70,6 +68,12 @@ def create_app(
     app.include_router(faults_router(program))
     for router in (*outlets.routers(), *routers):
         app.include_router(router)
+
+    @app.exception_handler(Exception)
+    def failed(request: Request, error: Exception) -> Response:
+        path = getattr(request.scope.get("route"), "path", request.url.path)
+        return JSONResponse({"detail": outlets.note_route(path, error)}, 500)
+
     return app
 
 

@@ -18,6 +18,7 @@ from app.engine.build import build_on_field, build_on_map, build_program
 from app.engine.engine_thread import HAND_OVER_S, EngineThread
 from app.engine.plugging import plugged
 from app.engine.program import LocalProgram, Program
+from app.engine.robot_facts import close_robot
 from app.interruption import Interrupted, deferred
 from app.page.access_options import Front
 from app.page.listening import Listening, listen
@@ -159,7 +160,7 @@ def serve(
     finally:
         if following is None:
             # The engine has closed the robot already, unless it never started or handed it over.
-            program.robot.close()
+            close_robot(program.robot)
     return following
 
 

@@ -7,6 +7,7 @@ import time
 from fastapi import APIRouter, HTTPException, Response, WebSocket
 
 from app.engine.engine_thread import EngineThread
+from app.engine.problems import Problem
 from app.engine.program import Program
 from app.engine.start_pose.keeping import PoseKeeper
 from app.languages.marking import phrase
@@ -65,9 +66,10 @@ def state_router(
 
     @router.get("/api/problems")
     def problems() -> ProblemsMessage:
-        """What went wrong since the start."""
+        """What went wrong since the start, and what is wrong with features now."""
         latest = engine.latest.get()
-        record = latest.problems.record if latest else ()
+        of_features = (Problem(0.0, words) for words in outlets.failures)
+        record = (*of_features, *(latest.problems.record if latest else ()))
         return ProblemsMessage(
             problems=[ProblemMessage(stamp=p.stamp, message=p.message) for p in record],
             trace=latest.filter.trace if latest else "",
@@ -98,7 +100,7 @@ def _health(
         where = program.engine.where_it_hangs(thread.ident)
         return "degraded", " ".join([phrase(f"No tick for {silent:.1f} s."), *where])
     failures = [follower.failure for follower in followers if follower.failure]
-    problems = [*latest.problems.present, *program.complaints, *failures, *outlets.failures]
+    problems = [*latest.problems.present, *failures, *outlets.failures]
     if problems:
         return "degraded", " ".join(problems)
     return "ok", "All is well."

@@ -11,7 +11,7 @@ from app.engine.plugging import plugged
 from app.engine.program import Program
 from app.engine.robot_facts import RobotFacts
 from app.engine.snapshot import LAYERS, Snapshot
-from app.engine.values import listed, value_failures
+from app.engine.values import listed
 from app.messages.answers import FieldMessage
 from app.messages.telemetry import (
     DriverMessage,
@@ -45,11 +45,11 @@ class TelemetryWriter:
         self._robot = program.facts
         self._sim = program.config.sim
         self._outlets = outlets
-        self._complaints = program.complaints
 
     def message(self, snapshot: Snapshot) -> TelemetryMessage:
         """Return the telemetry of one tick."""
-        faults = snapshot.faults
+        faults, values = snapshot.faults, listed(snapshot)
+        failures = self._outlets.failures  # after the values, which say what could not be read
         return TelemetryMessage(
             stamp=snapshot.stamp,
             map=self._field.name,
@@ -74,14 +74,9 @@ class TelemetryWriter:
             ),
             loop=LoopMessage(**dataclasses.asdict(snapshot.loop)),
             filter=filter_message(snapshot),
-            values=listed(snapshot),  # before problems, which say what could not be read
-            problems=[
-                *snapshot.problems.present,
-                *self._complaints,
-                *self._outlets.failures,
-                *value_failures(),
-            ],
-            error_count=snapshot.problems.count,
+            values=values,
+            problems=[*snapshot.problems.present, *failures],
+            error_count=snapshot.problems.count + len(failures),
             hidden_layers=sorted(LAYERS - snapshot.layers),
             **self._outlets.telemetry(snapshot),
         )

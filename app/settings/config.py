@@ -177,9 +177,7 @@ def load_config(
             message names the key's path and what is valid.
     """
     content = read_toml(path)
-    ours = {field.name for field in dataclasses.fields(Config)}
-    for name in ours.intersection(added):
-        raise SettingError(f"a feature cannot have the settings [{name}]: they are the program's")
+    ours = require_free(added)
     for name in set(ignored) - ours:
         content.pop(name, None)
     own = {name: content.pop(name) for name in added if name in content}
@@ -192,6 +190,18 @@ def load_config(
         return config
     except SettingError as error:
         raise SettingError(f"{path}: {error}") from error
+
+
+def require_free(added: Iterable[str]) -> set[str]:
+    """Return the names of our own settings and tables.
+
+    Raises:
+        SettingError: a feature's table has one of them.
+    """
+    ours = {field.name for field in dataclasses.fields(Config)}
+    for name in ours.intersection(added):
+        raise SettingError(f"a feature cannot have the settings [{name}]: they are the program's")
+    return ours
 
 
 def _require_known(names: Iterable[str], valid: Collection[str]) -> None:

@@ -5,16 +5,21 @@ import { t } from "./language.js";
 /** @typedef {import("../messages").TelemetryMessage} TelemetryMessage */
 /** @typedef {{order: (command: Command) => Promise<boolean>}} Program what a panel may use */
 /** @typedef {{show: (telemetry: TelemetryMessage) => void}} AddedPanel */
+/** @typedef {import("./toasts.js").Toasts} Toasts */
 
 /**
  * @param {Element} section @param {Element | null} body in place of what is in it
  * @param {unknown} error for its author also in the browser's console, with file and line
+ * @returns {string} in words
  */
 function tellFailure(section, body, error) {
   const script = section.getAttribute("data-script") ?? "";
   console.error(script, error);
   const why = error instanceof Error ? `${error.name}: ${error.message}` : String(error);
-  if (body) body.textContent = t("This panel has failed ({script}): {why}", { script, why });
+  const title = section.querySelector("h2")?.textContent ?? "";
+  const words = t("The panel {title} has failed ({script}): {why}", { title, script, why });
+  if (body) body.textContent = words;
+  return words;
 }
 
 const BELOW_EACH_OTHER = {
@@ -29,13 +34,18 @@ export class AddedPanels {
   /** @type {Map<Element, AddedPanel>} */
   #panels = new Map();
 
-  /** @param {Program} program */
-  constructor(program) {
+  #toasts;
+
+  /** @param {Program} program @param {Toasts} toasts for failures: the panel may be closed */
+  constructor(program, toasts) {
+    this.#toasts = toasts;
     for (const section of document.querySelectorAll("main > [data-script]")) {
       const body = section.querySelector(".added");
       if (!(body instanceof HTMLElement)) continue;
       Object.assign(body.style, BELOW_EACH_OTHER);
-      this.#open(section, body, program).catch((error) => tellFailure(section, body, error));
+      this.#open(section, body, program).catch((error) =>
+        toasts.show(tellFailure(section, body, error)),
+      );
     }
   }
 
@@ -55,7 +65,7 @@ export class AddedPanels {
         panel.show(telemetry);
       } catch (error) {
         this.#panels.delete(section);
-        tellFailure(section, section.querySelector(".added"), error);
+        this.#toasts.show(tellFailure(section, section.querySelector(".added"), error));
       }
     }
   }

@@ -106,7 +106,8 @@ class Sightings:
         right = pixels if errors is None else pixels - errors[seen]
         rays = self._rays(right, values[FOCAL])
         by_camera, by_pixel = self._derivatives(right, rays, values[FOCAL], turn, place[2])
-        nowhere = np.logical_not(np.isfinite(by_pixel)).any(axis=(1, 2), keepdims=True)[:, :, 0]
+        finite = np.asarray(np.isfinite(by_pixel).all(axis=(1, 2)))
+        nowhere = np.logical_not(finite)[:, None]
         if errors is not None and np.any(nowhere):
             # An edge that was taken for one far off would lie where the lens shows nothing.
             right = np.where(nowhere, pixels, right)

@@ -8,9 +8,16 @@ import sys
 from pathlib import Path
 
 import pytest
-from engine_runs import kinematic
+from engine_runs import drive, kinematic
+from engine_runs import run as drive_for
 from recordings import record
 from serving import ROOT, serving
+
+from app.engine.build import build_program
+from app.engine.plugging import plug_in, plugged
+from app.feature import Feature
+from app.settings.config import Config
+from robot.localization.estimate import State
 
 pytestmark = pytest.mark.slow
 
@@ -75,6 +82,22 @@ def test_at_the_end_of_a_drive_it_is_millimetres_off(run, name):
 def test_more_particles_are_more_exact(run):
     few, many = (float(re.search(r"([\d.]+) mm", line)[1]) for line in run("compare_settings.py"))
     assert many < few < 50.0
+
+
+def test_a_package_s_robot_with_a_camera_is_followed_on_wheels_of_its_own():
+    before = plugged().features
+    robots = runpy.run_path(str(EXAMPLES / "feature_package" / "tape_seen" / "rover.py"))["robots"]
+    plug_in(before.adding(Feature(name="rover", about="", robots=(robots,))))
+    try:
+        program = build_program(Config(robot="rover", map="square"))
+        shown = drive_for(program, 5.0, drive(0.1, 0.8))
+        program.robot.close()
+    finally:
+        plug_in(before)
+    assert program.robot.spec.wheel_radius == pytest.approx(0.035)
+    assert shown[-1].integrity.state is State.CERTAIN
+    assert shown[-1].truth.distance_to(shown[-1].pose) < 0.005
+    assert shown[-1].truth.distance_to(shown[0].truth) > 0.1
 
 
 def test_a_picture_is_scanned(run):

@@ -26,7 +26,8 @@ from app.features.calibration.lens.messages import LensMessage
 from app.features.calibration.lens.routes import lens_router
 from app.page.token_guard import TokenRequired
 from app.page.tokens import Tokens
-from app.settings.profiles import before, own_profile
+from app.settings.profile_files import before
+from app.settings.profiles import own_profile
 from robot.calibration.lens.sighting import Grey
 from robot.description.profile import Profile, load_profile
 from robot.interface import Frame

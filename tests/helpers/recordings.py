@@ -59,7 +59,7 @@ class InStep(TopicPublisher):
         self.source.clock.follow(snapshot)
         for topic in TOPICS:
             self.publish(topic, snapshot)
-        assert self.failure is None, self.failure
+        assert self.failures == ()
 
 
 def recorder_of(program, folder, publisher=InStep, **settings):

@@ -26,7 +26,7 @@ class ByHand(TopicPublisher):
             self.source.clock.follow(snapshot)
             for topic in TOPICS:
                 self.publish(topic, snapshot)
-        assert self.failure is None
+        assert self.failures == ()
 
 
 def bridge_of(program) -> Bridge:

@@ -1,5 +1,7 @@
 """The contract of a robot: what any must do, for all that there are."""
 
+import os
+
 import cv2
 import numpy as np
 import pytest
@@ -16,7 +18,8 @@ from robot.interface import RepositionableRobot, Robot
 PERIOD = 0.02
 """Joints may be read a little before the picture that comes with them."""
 
-ROBOTS = ("sim", "kinematic", "buildhat")
+ROBOTS = ("sim", "kinematic", "buildhat", *os.environ.get("ROBOTS", "").split())
+"""Those of other packages are named in the environment (docs/extending.md)."""
 
 
 @pytest.fixture(scope="module")

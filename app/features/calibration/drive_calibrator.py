@@ -23,7 +23,7 @@ from app.features.calibration.drive_follower import DriveFollower, FollowedTicks
 from app.features.calibration.followed_drive import result_of, ticks_of
 from app.languages.marking import phrase
 from app.messages.driving_commands import StopCommand
-from app.settings.profiles import undo, write_calibration
+from app.settings.profile_files import undo, write_calibration
 from app.worker_process import WorkerProcess
 from robot.calibration.adjustment import CalibrationError
 from robot.calibration.calibrate import Calibration

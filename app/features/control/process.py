@@ -23,7 +23,7 @@ from app.engine.engine_thread import HAND_OVER_S
 from app.engine.plugging import plug_in
 from app.engine.problems import LOG, ProblemState
 from app.engine.program import LocalProgram
-from app.engine.robot_facts import RobotFacts
+from app.engine.robot_facts import RobotFacts, close_robot
 from app.engine.snapshot import DrawnMap
 from app.feature_search import find_features
 from app.features.control.messages import (
@@ -142,7 +142,7 @@ class _ControlProcess:
         self._stop.clear()
         self._program = program
         if not isinstance(self._orders.get(), Go):
-            program.robot.close()
+            close_robot(program.robot)
             return None
         sender = TickSender(engine, self._main, lambda: self._watched, self._send)
         self._sender = sender
@@ -155,7 +155,7 @@ class _ControlProcess:
             return None
         order = self._orders.get()
         if not isinstance(order, Follow):
-            program.robot.close()
+            close_robot(program.robot)
             return None
         if order.place is None:
             return self._built(lambda: build_on_field(program, order.name, order.field, RealTime()))

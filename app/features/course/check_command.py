@@ -14,8 +14,9 @@ from app.features.course.lesson import lesson_of, lessons
 from app.features.course.reports import as_gradescope, as_json, as_junit, for_people
 from app.features.course.source import read_source
 from app.features.lab.workers import workers_from_options
-from app.files import atomic_file, require_writable
+from app.files import atomic_file
 from app.languages.catalogue import Catalogue
+from app.result_files import require_writable
 from robot.settings import SettingError
 
 FILE_ONLY = ("junit", "gradescope")

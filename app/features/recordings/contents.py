@@ -23,9 +23,10 @@ from app.features.recordings.attachments import (
 from app.features.recordings.replay.recorded_robot import RecordedRobot
 from app.settings.config import MAPS, Config
 from app.settings.provenance import versions
-from robot.description.spec import SPIKE, RobotSpec
+from robot.description.spec import RobotSpec
 from robot.description.urdf import parse_xml
 from robot.fields.map_files import read_map_yaml
+from robot.lens_files.camera_info import camera_info
 
 
 def contents_of(program: Program) -> Contents:
@@ -98,7 +99,7 @@ def _robot_files(spec: RobotSpec) -> Iterator[Attachment]:
         yield Attachment(PROFILE, spec.profile.encode())
     for item in parse_xml(drawn.urdf).findall("ros2_control/sensor/param[@name='camera_info']"):
         lens = Path((item.text or "").strip())
-        yield Attachment(f"robot/{lens}", (SPIKE.parent / lens).read_bytes())
+        yield Attachment(f"robot/{lens}", camera_info(drawn.lens).encode())
 
 
 def _model_files(config: Config, choice: ModelChoice) -> Iterator[Attachment]:

@@ -19,8 +19,9 @@ from app.features.recordings.files.recording_file import METADATA_FILE
 from app.features.recordings.messages import LONGEST_NOTES
 from app.features.recordings.replay.ticks import RecordedTopics
 from app.features.ros.message_types import from_cdr
-from app.files import atomic_file, is_portable
+from app.files import atomic_file
 from app.foreign_files import read_apart
+from app.result_files import is_portable
 from robot.yaml_file import parse_yaml
 
 NOTES_FILE = "notes.txt"

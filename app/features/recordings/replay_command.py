@@ -18,11 +18,11 @@ from app.features.recordings.files.recorded import RecordingError
 from app.features.recordings.library import NAME, listed
 from app.features.recordings.replay.opening import ReplayOptions, open_replay
 from app.features.recordings.replay.requests import FASTEST, SLOWEST
-from app.files import make_folder
 from app.page.access_options import ACCESS_OPTIONS, announce, front_of, tokens_of
 from app.page.first_start import compiled
 from app.page.listening import listen
 from app.page.serving import serve, serve_on
+from app.result_files import make_folder
 from app.settings.config import Config
 from app.trajectories.trajectory import Trajectory
 from app.trajectories.tum_file import write_tum

@@ -16,4 +16,5 @@ FEATURE = Feature(
     guests=(Late("app.features.ros.guests:guests"),),
     outlet=Late("app.features.ros.outlet:RosOutlet"),
     fields=(Late("app.features.ros.map_fields:FIELDS"),),
+    checks=(Late("app.features.ros.doctor_check:check_topics"),),
 )

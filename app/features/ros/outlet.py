@@ -57,7 +57,7 @@ class RosOutlet(Outlet):
     @property
     def failures(self) -> Iterable[str]:
         """Why topics are late, lost or not to be had."""
-        given = [self._dds and self._dds.failure, self.publisher.failure, *topic_failures()]
+        given = [self._dds and self._dds.failure, *self.publisher.failures, *topic_failures()]
         return [words for words in given if words]
 
     def routers(self) -> Iterable[APIRouter]:

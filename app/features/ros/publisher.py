@@ -12,9 +12,11 @@ from app.engine.mailboxes.backlog import Backlog
 from app.engine.mailboxes.broadcast import Broadcast
 from app.engine.problems import LOG
 from app.engine.snapshot import Snapshot
+from app.feature_search import reason_of
 from app.features.ros.message_types import MessageError
 from app.features.ros.source import TopicSource
-from app.features.ros.topics import Published, Topic, topics
+from app.features.ros.topics import Published, Topic, feature_of, topics
+from app.languages.marking import phrase
 from robot.worker_thread import WorkerThread
 
 SLACK = 0.001
@@ -95,7 +97,10 @@ class TopicPublisher:
         self.source = source
         self.lost = 0
         """Ticks that were dropped because too many waited already."""
-        self._failure: tuple[float, str] | None = None
+        self._failures: dict[str, tuple[float, str]] = {}
+        """When and why each route or topic failed last, by its name."""
+        self._left_out: dict[str, str] = {}
+        """Why topics of features are not made any more, by their names."""
         self._every = every
         self._routes: tuple[TopicRoute, ...] = ()
         self._lock = threading.Lock()
@@ -123,11 +128,11 @@ class TopicPublisher:
             self._routes = tuple(item for item in self._routes if item is not route)
 
     @property
-    def failure(self) -> str | None:
-        """Which route or topic failed in the last ``SHOWN_S`` seconds, and why."""
-        if self._failure is None or time.monotonic() - self._failure[0] > SHOWN_S:
-            return None
-        return self._failure[1]
+    def failures(self) -> tuple[str, ...]:
+        """Which routes and topics failed in the last ``SHOWN_S`` seconds, or are left out."""
+        since = time.monotonic() - SHOWN_S
+        shown = (words for time_s, words in tuple(self._failures.values()) if time_s > since)
+        return (*tuple(self._left_out.values()), *shown)
 
     def close(self) -> None:
         """Remove all routes, and wait for the thread to end."""
@@ -163,6 +168,8 @@ class TopicPublisher:
 
     def publish(self, topic: Topic, snapshot: Snapshot) -> None:
         """Make a topic's message of a tick, and hand it to all routes that want it now."""
+        if topic.name in self._left_out:
+            return
         try:
             stamp = topic.stamp(snapshot)
             takers = (
@@ -172,13 +179,13 @@ class TopicPublisher:
                 return
             published = Published(topic, stamp, self.source, snapshot)
         except Exception as error:
-            self._complain(topic.name, error)
+            self._blame(topic, error)
             return
         for route in takers:
             try:
                 route.take(published)
             except MessageError as error:
-                self._complain(topic.name, error)  # only the topic fails, not the route
+                self._blame(topic, error)  # only the topic fails, not the route
             except Exception as error:
                 self._end(route, error)
 
@@ -200,8 +207,20 @@ class TopicPublisher:
         self.remove(route)
         self._complain(route.name, error)
 
+    def _blame(self, topic: Topic, error: Exception) -> None:
+        """Name a topic that failed; one of a feature is left out from now on."""
+        feature, name = feature_of(topic), topic.name
+        if feature is None:
+            self._complain(name, error)
+            return
+        LOG.exception("the topic %s of the feature %s failed", name, feature)
+        why = reason_of(error)
+        self._left_out[name] = phrase(
+            f"The topic {name} of the feature {feature} is left out: {why}."
+        )
+
     def _complain(self, name: str, error: Exception) -> None:
-        message = f"{name} failed: {error}"
-        if message != self.failure:
+        message = f"{name} failed: {reason_of(error)}"
+        if message not in self.failures:
             LOG.exception(message)
-        self._failure = (time.monotonic(), message)
+        self._failures[name] = (time.monotonic(), message)

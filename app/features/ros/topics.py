@@ -13,7 +13,7 @@ from app.engine.snapshot import Snapshot
 from app.feature import Feature
 from app.feature_search import Features
 from app.features.ros.encoding import motion, robot_state, sensors
-from app.features.ros.message_types import Message, from_cdr, to_cdr
+from app.features.ros.message_types import Message, from_cdr, message_class, to_cdr
 from app.features.ros.source import UNCHANGING, TopicSource
 
 
@@ -195,25 +195,35 @@ def topics() -> tuple[Topic, ...]:
     return _with_added(plugged().features)[0]
 
 
+def feature_of(topic: Topic) -> str | None:
+    """Return the name of the feature that adds a topic; None if it is ours."""
+    return _with_added(plugged().features)[2].get(topic.name)
+
+
 def topic_failures() -> tuple[str, ...]:
     """Return why the topics of some features cannot be used, for people."""
     return _with_added(plugged().features)[1]
 
 
 @cache
-def _with_added(features: Features) -> tuple[tuple[Topic, ...], tuple[str, ...]]:
+def _with_added(
+    features: Features,
+) -> tuple[tuple[Topic, ...], tuple[str, ...], dict[str, str]]:
     names = {topic.name for topic in TOPICS}
+    whose: dict[str, str] = {}
 
     def added(feature: Feature) -> list[Topic]:
         new = [topic for make in feature.topics for topic in make()]
         for topic in new:
             if not isinstance(topic, Topic):
                 raise TypeError(f"a topic is {topic!r}; valid is a Topic")
+            message_class(topic.type)
         for name, count in Counter([*names, *(topic.name for topic in new)]).items():
             if count > 1:
                 raise ValueError(f"there is a topic {name!r} already")
         names.update(topic.name for topic in new)
+        whose.update({topic.name: feature.name for topic in new})
         return new
 
     usable, failures = features.made(added)
-    return (*TOPICS, *usable), tuple(failures)
+    return (*TOPICS, *usable), tuple(failures), whose

@@ -13,7 +13,7 @@ from app.engine.compiling.compilation import Compilation
 from app.engine.robots import robot_kind
 from app.settings.config import AUTO, ROOT, Config
 from app.tools.doctor.finding import Finding, ok, problem, warning
-from robot.errors import PackageError
+from robot.errors import BrickPoseError, PackageError
 from sim.engines import choose_engine, engine_version
 
 OLDEST = (3, 11)
@@ -25,7 +25,14 @@ def check_computer(config: Config) -> Iterator[Finding]:
     """Check what every robot needs."""
     yield python_version(sys.version_info[:3])
     yield packages(tested_versions(CONSTRAINTS))
-    yield simulator(config.robot, config.sim.engine)
+    try:
+        spec = robot_kind(config).description()
+    except BrickPoseError as error:
+        yield problem(str(error))
+    else:
+        yield simulator(config.robot, config.sim.engine)
+        radius, track = 1e3 * spec.wheel_radius, 1e3 * spec.track
+        yield ok(f"The robot {spec.name} has wheels of {radius:.1f} mm, {track:.1f} mm apart")
     yield compiled_code(Compilation())
     yield web_port(config.host, config.port)
 

@@ -90,13 +90,16 @@ def lamps(**hooks):
 
 
 def test_a_command_of_a_feature_is_read_and_carried_out_as_all_others():
-    row = CommandRow(BlinkCommand)
     before = len(table())
-    assert plug_in(lamps(commands=(lambda: (row,),))).failures == ()
+    assert plug_in(lamps(commands=(lambda: (CommandRow(BlinkCommand),),))).failures == ()
     assert len(table()) == before + 1
-    assert row_of(parse('{"type": "blink", "times": 2}')) is row
+    assert row_of(parse('{"type": "blink", "times": 2}')).command is BlinkCommand
     with pytest.raises(CommandError, match=r"blink.times"):
         parse('{"type": "blink", "times": "twice"}')
+    with pytest.raises(
+        CommandError, match=r"^blink.colour is unknown; valid are 'id', 'type', 'times'$"
+    ):
+        parse('{"type": "blink", "times": 2, "colour": 3}')
 
 
 def test_messages_and_commands_of_a_feature_are_described_for_people_and_for_the_page():
@@ -261,6 +264,23 @@ def test_the_companion_of_the_document_counts_pictures_without_tape():
     assert 10 < blanks < len(scans)
     (value,) = (value for value in values() if value.name == "blank_pictures")
     assert value.shown(shown[-1]) == blanks
+
+
+def test_the_command_of_the_document_drives_until_its_programme_ends():
+    document = (ROOT / "docs" / "extending.md").read_text(encoding="utf-8")
+    code: dict[str, Any] = {"__name__": "wave"}
+    exec(re.search(r"```python\n(# wave/commands.py.*?)```", document, re.S)[1], code)
+    wave = Feature(name="wave", about="", commands=(code["rows"],))
+    assert plug_in(plugged().features.adding(wave)).failures == ()
+    program = kinematic(map="square")
+    command = code["WaveCommand"]
+    shown = run(program, 0.02, command(type="wave", start=True))
+    while shown[-1].mode == "wave":
+        shown += run(program, 0.02, command(type="wave"))
+    assert 6.2 < shown[-1].stamp < 6.4
+    turned = [snapshot.twist.omega for snapshot in shown]
+    assert min(turned) < -0.5 < 0.5 < max(turned)
+    assert [snapshot.problems.present for snapshot in shown] == len(shown) * [()]
 
 
 class StrangersFilter(KalmanFilter):

@@ -20,6 +20,8 @@ from serving import ROOT, drive_until, serving
 from app.command_line import SUBCOMMANDS, main, parse
 from app.command_parser import CommandParser
 from app.engine import plugging
+from app.engine.plugging import plug_in
+from app.engine.robot_kind import RobotKind
 from app.feature import (
     Feature,
     Guest,
@@ -30,9 +32,12 @@ from app.feature import (
     Subcommand,
 )
 from app.feature_search import FeatureError, Features, find_features
+from app.features.own_models.named_models import NamedModels
+from app.features.ros.topics import TOPICS
 from app.options import config_from
 from app.settings.config import Config, with_settings
 from app.tools.doctor.command import check_features
+from robot.driving.drive_controller import DriveSettings
 from robot.hooks import FieldSource
 from robot.localization.filter_kinds import OURS as FILTERS
 from robot.settings import SettingError
@@ -99,12 +104,14 @@ LATE = {
 WITHOUT = [word for feature in OURS.active for word in ("--without", feature.name)]
 BROKEN = {
     "absent": ("nowhere.feature:FEATURE", "ModuleNotFoundError: No module named 'nowhere'"),
-    "exits": ("exits:FEATURE", "SystemExit: 3"),
-    "raises": ("raises:FEATURE", "ZeroDivisionError: division by zero"),
+    "exits": ("exits:FEATURE", "SystemExit: 3 (exits.py:1)"),
+    "raises": ("raises:FEATURE", "ZeroDivisionError: division by zero (raises.py:1)"),
     "other": ("other:FEATURE", "other:FEATURE is a int; valid is a Feature"),
     "renamed": ("renamed:FEATURE", "renamed:FEATURE calls itself paint"),
-    "lab": ("mine:FEATURE", "mine:FEATURE has the name of another feature"),
-    "text": ("text:FEATURE", "TypeError: documents has 'x'; valid is a Path"),
+    "text": ("text:FEATURE", "TypeError: documents has 'x'; valid is a Path (text.py:2)"),
+    "alone": ("alone:FEATURE", "TypeError: routers is Late(target='a:b'); valid is a tuple of"),
+    "plain": ("plain:FEATURE", "TypeError: outlet is 'a:b'; valid is a function"),
+    "names": ("names:FEATURE", "TypeError: checks has 'a:b'; valid is a function"),
     "bare": ("bare:FEATURE", "FileNotFoundError: the panel lamps has no script"),
     "runs": ("runs:FEATURE", "there is a command run already"),
     "sweeps": ("sweeps:FEATURE", "there is a command sweep already"),
@@ -114,6 +121,11 @@ SOURCES = {
     "raises": "1 / 0",
     "other": "FEATURE = 7",
     "renamed": "from app.feature import Feature\nFEATURE = Feature(name='paint', about='paints')",
+    "alone": "from app.feature import *\n"
+    "FEATURE = Feature(name='alone', about='', routers=Late('a:b'))",
+    "plain": "from app.feature import *\nFEATURE = Feature(name='plain', about='', outlet='a:b')",
+    "names": "from app.feature import *\n"
+    "FEATURE = Feature(name='names', about='', checks=('a:b',))",
     "text": "from app.feature import Feature\n"
     "FEATURE = Feature(name='text', about='', documents=('x',))",
     "bare": "from app.feature import *\n"
@@ -131,6 +143,13 @@ SOURCES = {
     "FEATURE = Feature(name='late', about='', routers=(no,), checks=(no,), "
     "subcommands=(Subcommand('lamp', 'lamps', Late('gone:add')),))",
 }
+
+
+@pytest.fixture
+def put_back():
+    before = plugging.plugged().features
+    yield
+    plug_in(before)
 
 
 def installed(folder: Path, **targets: str) -> Path:
@@ -184,8 +203,16 @@ def test_features_of_others_that_cannot_be_loaded_are_named_and_the_rest_is_ther
     for name, (_, why) in BROKEN.items():
         begin = f"The feature {name} cannot be used: {why}"
         assert any(failure.startswith(begin) for failure in features.failures), name
-    names = [name for name in BROKEN if name != "lab"]
-    assert find_features(names).failures[0].startswith("The feature lab cannot")
+
+
+def test_two_packages_with_a_feature_of_one_name_are_both_named(tmp_path, monkeypatch):
+    monkeypatch.syspath_prepend(installed(tmp_path, lab="mine:FEATURE"))
+    features = find_features()
+    assert [feature.name for feature in features.active] == NAMES
+    assert features.failures == (
+        "The feature lab of the package strange cannot be used: the package brickpose has one of "
+        "that name; uninstall one of them, or rename its entry point.",
+    )
 
 
 def test_a_feature_whose_parts_fail_harms_no_other(tmp_path, monkeypatch, capsys):
@@ -194,7 +221,8 @@ def test_a_feature_whose_parts_fail_harms_no_other(tmp_path, monkeypatch, capsys
     assert features.failures == ()
     _, failures = features.routers(None)
     assert failures == [
-        "The feature late cannot be used: KeyError: 'lamp'; --without late leaves it out."
+        "The feature late cannot be used: KeyError: 'lamp' (late.py:3); --without late leaves it "
+        "out."
     ]
     problems = [
         finding.message
@@ -204,7 +232,7 @@ def test_a_feature_whose_parts_fail_harms_no_other(tmp_path, monkeypatch, capsys
     assert problems == failures
     number = find_features(["late"])
     assert number.routers(-2)[1][0].startswith(
-        "The feature number cannot be used: it makes a int; valid is a APIRouter"
+        "The feature number cannot be used: TypeError: it makes a int; valid is a APIRouter"
     )
     assert "valid is a Finding" in list(number.findings(Config()))[-1].message
     assert main(["lamp"]) == 1
@@ -229,17 +257,73 @@ def test_a_robot_drives_though_features_are_broken_and_the_page_names_them(tmp_p
 def test_a_broken_feature_is_a_line_of_the_doctor_and_of_an_unknown_command(tmp_path):
     beside = installed(tmp_path, raises="raises:FEATURE", kinds="kinds:FEATURE")
     done = brickpose("doctor", "--robot", "kinematic", beside=beside)
-    broken = "The feature kinds cannot be used: AttributeError: 'int' object has no attribute"
+    broken = "The feature kinds cannot be used: TypeError: a robot is 3; valid is a RobotKind"
     assert f"problem  {broken}" in done.stdout
     run = brickpose("run", "--robot", "kinds", "--port", "0", beside=beside)
     assert "robot is 'kinds'; valid are auto, sim, kinematic, buildhat. " in run.stderr
     assert broken in run.stderr
-    assert f"ok       Features: {', '.join(sorted([*NAMES, 'kinds']))}\n" in done.stdout
+    assert f"ok       Features: {', '.join(NAMES)}\n" in done.stdout
     assert "problem  The feature raises cannot be used: ZeroDivisionError" in done.stdout
     assert done.returncode == 1
     done = brickpose("paint", beside=beside)
     assert done.returncode == 2
     assert "The feature raises cannot be used" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("hooks", "words"),
+    [
+        (
+            {"run_options": (RunOptions(lambda run: run.add_argument("--seed"), id),)},
+            "ArgumentError: argument --seed: conflicting option string",
+        ),
+        ({"settings": dict}, "its settings are a dict; valid is a dataclass"),
+        ({"guests": (lambda config: [3],)}, "it makes a int; valid is a Guest"),
+        ({"documents": (ROOT / "docs" / "design.md",)}, "there is a document 'design.md' already"),
+        ({"documents": (Path("gone.md"),)}, "No such file or directory: 'gone.md'"),
+        (
+            {"models": (lambda config, field: [NamedModels(field, sensors={"beam": id})],)},
+            "there is a model 'beam' already",
+        ),
+        (
+            {"robots": (lambda: [RobotKind(name="sim", about="", build=id)],)},
+            "there is a robot 'sim' already",
+        ),
+        ({"topics": (lambda: [TOPICS[0]],)}, "there is a topic 'scan' already"),
+    ],
+)
+def test_the_doctor_names_what_a_start_would_refuse(hooks, words, put_back):
+    lamps = Feature(name="lamps", about="lamps on the robot", **hooks)
+    features = plug_in(OURS.adding(lamps))
+    problems = [
+        finding.message
+        for finding in check_features(Config(), features)
+        if finding.level == "problem"
+    ]
+    assert len(problems) == 1
+    assert problems[0].startswith("The feature lamps cannot be used: ")
+    assert words in problems[0]
+
+
+def test_settings_with_the_name_of_ours_are_a_problem(put_back):
+    drive = Feature(name="drive", about="", settings=DriveSettings)
+    problems = [str(each) for each in check_features(Config(), plug_in(OURS.adding(drive)))]
+    assert any("a feature cannot have the settings [drive]" in each for each in problems)
+
+
+def test_the_doctor_says_what_others_add(put_back):
+    lamps = Feature(name="lamps", about="lamps on the robot")
+    features = dataclasses.replace(OURS.adding(lamps), packages={"lamps": "brickpose-lamps"})
+    said = [str(each) for each in check_features(Config(), plug_in(features))]
+    assert "ok       lamps, of the package brickpose-lamps: lamps on the robot" in said
+    assert any("kinematic (without, its wheels roll as if on rails)" in each for each in said)
+
+
+def test_the_doctor_goes_on_without_the_robot_that_there_is_not():
+    done = brickpose("doctor", "--robot", "snial")
+    assert "problem  robot is 'snial'; valid are auto, sim" in done.stdout
+    assert "ok       Features: " in done.stdout
+    assert done.returncode == 1
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from itertools import product
 from pathlib import Path
@@ -10,6 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from app.engine.commands import parse
 from app.languages.catalogue import FOLDER, Catalogue, catalogue, languages, spoken
 from app.languages.docstrings import in_language
 from app.languages.extraction import ROOT, SILENT, SPEAKING, TELLING, Text, _in_python, texts
@@ -19,6 +21,7 @@ from app.languages.script_texts import texts_of_script
 from app.languages.templates import PLACE, Templates, filled
 from app.languages.update import faults, read, updated
 from app.page.language import accepted
+from robot.errors import CommandError
 
 pytestmark = pytest.mark.slow
 
@@ -248,3 +251,30 @@ def test_code_speaks_another_language_only_in_its_docstrings() -> None:
     own = Catalogue("de", {"A thing.": ("Ein Ding.",), "It is x.": ("x ist es.",)}, "", ",")
     wanted = source.replace("A thing", "Ein Ding").replace("It is\n    x", "x ist es")
     assert in_language(source, own) == wanted
+
+
+@pytest.mark.parametrize(
+    ("command", "wanted"),
+    [
+        (
+            {"type": "undo", "colour": 3},
+            "undo.colour ist unbekannt; gültig sind 'id', 'type'",
+        ),
+        ({"type": "place", "x": 2e4, "y": 0, "theta": 0}, "place.x: Gültig ist höchstens 10000"),
+        ({"type": "place", "x": "0", "y": 0, "theta": 0}, "place.x: Gültig ist eine Zahl"),
+        ({"type": "place", "x": 0, "y": 0}, "place.theta: Das muss dabei sein"),
+        ({"type": "set_pose", "x": 0, "y": 0, "theta": 0, "sd_xy": 0}, ".sd_xy: Gültig ist mehr"),
+        ({"type": "set_particles", "poses": []}, "set_particles.poses: Die Liste hat 0 Einträge;"),
+        ({}, "Es fehlt 'type'"),
+    ],
+)
+def test_refusals_of_pydantic_are_german(command, wanted):
+    with pytest.raises(CommandError) as refused:
+        parse(json.dumps(command))
+    assert wanted in catalogue("de").translated(str(refused.value))
+
+
+def test_what_is_no_json_is_refused_in_german():
+    with pytest.raises(CommandError) as refused:
+        parse("{")
+    assert catalogue("de").translated(str(refused.value)).startswith("Kein JSON: ")

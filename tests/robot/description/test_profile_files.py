@@ -10,13 +10,8 @@ from app.command_line import main
 from app.engine.robots import profile_file, robot_spec
 from app.features.build_hat.robot_check import check_profile
 from app.settings.config import Config
-from app.settings.profiles import (
-    before,
-    own_profile,
-    undo,
-    write_calibration,
-    write_profile,
-)
+from app.settings.profile_files import before, undo, write_calibration, write_profile
+from app.settings.profiles import own_profile
 from app.tools.doctor.finding import OK, PROBLEM, WARNING
 from robot.description.lens_table import MeasuredLens
 from robot.description.profile import Profile, load_profile

@@ -18,11 +18,7 @@ from app.features.calibration.lens.messages import (
     LensRefusalMessage,
     Pixels,
 )
-from app.settings.profiles import (
-    profile_before,
-    with_lens,
-    write_profile,
-)
+from app.settings.profile_files import profile_before, with_lens, write_profile
 from robot.calibration.lens.board import Board
 from robot.calibration.lens.coverage import missing
 from robot.calibration.lens.lens_calibration import LensCalibration, Rating

@@ -15,22 +15,25 @@ import numpy as np
 from app.console import say
 from app.engine.build import build_program
 from app.engine.program import LocalProgram
-from app.engine.robots import robot_kind
+from app.engine.robots import own_file, robot_kind
 from app.features.lab.calibrate.calibrated_robot import CalibratedRobot
 from app.features.lab.calibrate.drive_report import drive_report
 from app.features.lab.unknown_lines import unknown_lines
 from app.features.recordings.replay.opening import ReplayOptions, open_replay
-from app.files import atomic_file, require_writable
+from app.files import atomic_file
 from app.messages.commands import PauseCommand
 from app.messages.driving_commands import DriveCommand
-from app.options import config_from
+from app.options import config_file, config_from
+from app.result_files import require_writable
 from app.settings.config import AUTO, Config
-from app.settings.profiles import NONE, own_profile, profile_before, write_profile
+from app.settings.profile_files import profile_before, write_profile
+from app.settings.profiles import NONE
 from robot.calibration.adjustment import CalibrationError, Solution
 from robot.calibration.calibrate import SHORTEST_S, START_COVARIANCE, Calibration, calibrate
 from robot.calibration.drive_log import DriveRecorder
 from robot.calibration.programme import USUAL_S, velocity
 from robot.description.lens_table import MeasuredLens
+from robot.description.profile import load_profile
 from robot.description.spec import RobotSpec
 from robot.description.unknowns import ROBOT, UNKNOWNS
 from robot.fields.field import Field
@@ -56,17 +59,16 @@ def calibrate_drive(given: dict[str, Any]) -> int:
     seconds = given.pop("seconds", USUAL_S)
     if not SHORTEST_S <= seconds <= LONGEST_S:
         raise SettingError(f"--seconds is {seconds:g}; valid is {SHORTEST_S:g} to {LONGEST_S:g}")
-    out, start = given.pop("out", None), given.pop("start", None)
-    if out is None:
-        real = not robot_kind(Config(robot=given.get("robot", AUTO))).is_simulated
-        out = own_profile(RobotSpec.load().name) if real else OUT
+    start = given.pop("start", None)
+    driven = Config(robot=given.get("robot", config_file(given).robot))
+    out = given.pop("out", own_file(driven) or OUT)
     pose = None if start is None else Pose2(*start)
     page = given.pop("report", out.with_suffix(".html"))
     require_writable(out, page)
-    lens = profile_before(out, RobotSpec.load()).lens
     recording = given.pop("recording", None)
     report = _show if sys.stderr.isatty() else _silent
     if recording is None:
+        lens = profile_before(out, robot_kind(driven).description()).lens
         config = config_from(Namespace(**given))
         result = calibrate_by_driving(config, seconds, pose, report, lens)
     else:
@@ -74,6 +76,7 @@ def calibrate_drive(given: dict[str, Any]) -> int:
             if name in given:
                 option = "--" + name.replace("_", "-")
                 raise SettingError(f"{option} has no effect with a recording")
+        lens = load_profile(out).lens if out.exists() else None
         result = calibrate_recording(recording, given.get("map"), seconds, pose, report, lens)
     for line in lines_of(result.calibration):
         say(line)
@@ -81,7 +84,9 @@ def calibrate_drive(given: dict[str, Any]) -> int:
     write_profile(out, result.profile)
     with atomic_file(page) as new:
         new.write_text(drive_report(result), encoding="utf-8")
-    say(f"the profile is {out}, a report in {page}; use it by: brickpose run --profile {out}")
+    robot = "" if driven.robot == AUTO else f" --robot {driven.robot}"
+    used = f"brickpose run{robot} --profile {out}"
+    say(f"the profile is {out}, a report in {page}; use it by: {used}")
     return 0
 
 

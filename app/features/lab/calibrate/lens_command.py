@@ -8,10 +8,13 @@ from pathlib import Path
 from typing import Any
 
 from app.console import say
+from app.engine.robots import robot_kind
 from app.features.lab.calibrate.lens_report import lens_report
 from app.features.lab.calibrate.pictures import board_of, find_in, picture_files
-from app.files import atomic_file, require_writable
-from app.settings.profiles import profile_before, with_lens, write_profile
+from app.files import atomic_file
+from app.result_files import require_writable
+from app.settings.config import AUTO, Config
+from app.settings.profile_files import profile_before, with_lens, write_profile
 from robot.calibration.lens.board import Board
 from robot.calibration.lens.coverage import missing
 from robot.calibration.lens.lens_calibration import (
@@ -23,7 +26,6 @@ from robot.calibration.lens.lens_calibration import (
 from robot.calibration.lens.result_file import camera_info_of
 from robot.cameras.picture_files import turned_line
 from robot.description.lens_table import MeasuredLens
-from robot.description.spec import RobotSpec
 from robot.lens_files.writing import FORMATS, INI, Format
 from robot.settings import SettingError
 
@@ -41,7 +43,7 @@ def calibrate_lens_command(given: dict[str, Any]) -> int:
     form, out = _file_of(given.pop("format", None), given.pop("out", None))
     report = given.pop("report", out.with_suffix(".html"))
     require_writable(out, report)
-    spec = RobotSpec.load()
+    spec = robot_kind(Config(robot=given.pop("robot", AUTO))).description()
     before = profile_before(out, spec) if out.suffix == ".toml" else None
     files = picture_files(given.pop("pictures"))
     found_boards = find_in(files, board_of(given))

@@ -11,17 +11,14 @@ import cv2
 import numpy as np
 
 from app.console import say
+from app.engine.robots import robot_kind
 from app.features.lab.calibrate.floor_grid import draw_floor
 from app.features.lab.calibrate.pictures import board_of, find_in, read_grey
 from app.features.lab.chosen_lens import read_chosen_lens
-from app.files import atomic_file, require_writable
-from app.settings.config import MAPS, Config
-from app.settings.profiles import (
-    profile_before,
-    with_lens,
-    with_mounting,
-    write_profile,
-)
+from app.files import atomic_file
+from app.result_files import require_writable
+from app.settings.config import AUTO, MAPS, Config
+from app.settings.profile_files import profile_before, with_lens, with_mounting, write_profile
 from robot.calibration.lens.sighting import Grey, SightingError
 from robot.calibration.mounting.board_mounting import check_scale, mounting_by_board
 from robot.calibration.mounting.mounting import UNITS, LensDoubt, Mounting, step_between
@@ -63,7 +60,7 @@ def calibrate_mounting(given: dict[str, Any]) -> int:
     out = given.pop("out", OUT)
     report = given.pop("report", out.with_suffix(".png"))
     require_writable(out, report)
-    spec = RobotSpec.load()
+    spec = robot_kind(Config(robot=given.pop("robot", AUTO))).description()
     before = profile_before(out, spec)
     if "camera" in given:
         lens_file = read_chosen_lens(given.pop("camera"), given.pop("camera_name", None))

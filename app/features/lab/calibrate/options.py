@@ -63,6 +63,10 @@ def add_calibrate(command: CommandParser) -> None:
     drive.set_defaults(command=_drive)
 
 
+def _add_robot(command: argparse.ArgumentParser, about: str) -> None:
+    command.add_argument("--robot", metavar="NAME", help=about)
+
+
 def _drive(parsed: argparse.Namespace) -> int:
     from app.features.lab.calibrate.command import calibrate_drive  # noqa: PLC0415
 
@@ -112,6 +116,7 @@ def _add_lens(kinds: Commands) -> None:
     lens.add_argument(
         "--report", type=Path, metavar="FILE.html", help="the report (default: beside the lens)"
     )
+    _add_robot(lens, "whose profile it is (default: the program's own robot)")
     lens.set_defaults(command=_lens)
 
 
@@ -168,6 +173,7 @@ def _add_mounting(kinds: Commands) -> None:
         metavar="FILE.png",
         help="the picture with the floor's grid (default: beside the profile)",
     )
+    _add_robot(mounting, "whose camera it is (default: that of the program's own robot)")
     mounting.set_defaults(command=_mounting)
 
 
@@ -186,6 +192,7 @@ def _add_undo(kinds: Commands) -> None:
         metavar="PROFILE.toml",
         help="the profile (default: the real robot's own)",
     )
+    _add_robot(undo, "whose own profile (default: that of buildhat)")
     undo.set_defaults(command=_undo)
 
 
@@ -243,7 +250,7 @@ def _mounting(parsed: argparse.Namespace) -> int:
 def _undo(parsed: argparse.Namespace) -> int:
     from app.features.lab.calibrate.undo_command import undo_calibration  # noqa: PLC0415
 
-    return undo_calibration(parsed.profile)
+    return undo_calibration(parsed.profile, vars(parsed).get("robot"))
 
 
 def _given(parsed: argparse.Namespace) -> dict[str, Any]:

@@ -16,8 +16,8 @@ from app.features.lab.evaluation.results import condition_table, trajectory
 from app.features.lab.evaluation.runs import SHOWN, Run
 from app.features.lab.report_page import millimetres, seconds
 from app.features.lab.workers import Workers, workers_from_options
-from app.files import RESULTS, atomic_folder, write_json
 from app.options import config_of
+from app.result_files import RESULTS, atomic_folder, write_json
 from app.settings.config import MAPS, Config
 from app.settings.provenance import changed_settings, versions
 from app.trajectories.tum_file import write_tum

@@ -21,7 +21,7 @@ from app.features.lab.trajectories.association import NEAREST, Pairs, pairs_of
 from app.features.lab.trajectories.clock_offset import ClockOffset, require_same_run
 from app.features.lab.trajectories.metrics import absolute_errors, align, ate_rmse, fit_scale
 from app.features.lab.trajectories.unstamped import UNDERSTOOD
-from app.files import RESULTS, atomic_folder, make_folder, write_json
+from app.result_files import RESULTS, atomic_folder, make_folder, write_json
 from app.settings.provenance import versions
 from app.trajectories.trajectory import LEFT_OUT, Trajectory, TrajectoryError
 from app.trajectories.tum_file import write_tum

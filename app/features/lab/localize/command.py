@@ -27,7 +27,7 @@ from app.features.lab.localize.results import (
     write_results,
 )
 from app.features.lab.localize.settings import LocalizeSettings, load_settings
-from app.files import make_folder
+from app.result_files import make_folder
 from robot.fields.field import FieldError
 from robot.geometry import Pose2
 from robot.settings import SettingError

@@ -15,7 +15,7 @@ from app.features.lab.localize.localized import Localized, ReportedPose
 from app.features.lab.localize.picture import draw
 from app.features.lab.localize.reading.lasers import BagLaser, Lasers
 from app.features.lab.localize.settings import LocalizeSettings
-from app.files import RESULTS, atomic_folder, write_json
+from app.result_files import RESULTS, atomic_folder, write_json
 from app.settings.provenance import settings_of, versions
 from app.trajectories.trajectory import Trajectory
 from app.trajectories.tum_file import write_tum

@@ -14,8 +14,9 @@ from app.features.lab.mapping.map_report import map_report
 from app.features.lab.unknown_lines import unknown_lines
 from app.features.mapping.map_files import write_map, written_for
 from app.features.recordings.replay.opening import ReplayOptions, open_replay
-from app.files import atomic_file, require_new, require_writable
-from app.settings.profiles import profile_before, write_profile
+from app.files import atomic_file
+from app.result_files import require_new, require_writable
+from app.settings.profile_files import profile_before, write_profile
 from robot.calibration.drive_log import DriveLog, DriveRecorder
 from robot.description.profile import Profile
 from robot.description.spec import RobotSpec

@@ -11,7 +11,7 @@ import numpy as np
 
 from app.console import say
 from app.features.lab.mapping.looks import Observation, pictures, scans
-from app.files import require_new, require_writable
+from app.result_files import require_new, require_writable
 from app.trajectories.trajectory import Trajectory
 from app.trajectories.tum_file import write_tum
 from robot.fields.grid_map import save_map_yaml

@@ -29,8 +29,8 @@ from app.features.lab.model_fits.sensor_statistics import SensorStatistics, scan
 from app.features.lab.report_page import millimetres
 from app.features.lab.trajectories.clock_offset import require_same_run
 from app.features.lab.workers import Workers, workers_from_options
-from app.files import RESULTS, atomic_folder, write_json
 from app.options import config_of
+from app.result_files import RESULTS, atomic_folder, write_json
 from app.settings.config import Config, with_settings
 from app.settings.provenance import changed_settings, versions
 from app.trajectories.trajectory import TrajectoryError

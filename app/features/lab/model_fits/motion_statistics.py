@@ -146,7 +146,7 @@ def recorded_motion(
     tracks = odometry.stamps, odometry.poses, truth.stamps, truth.poses
     runs = paired_runs(*tracks, step=1 / config.sim.camera.frame_rate, offset=clock_offset)
     first, second = cut_at(runs, (runs[0].stamps[0] + runs[-1].stamps[-1]) / 2)
-    fit = fit_drive(first, track=believed.separation * RobotSpec.load().track)
+    fit = fit_drive(first, track=believed.separation * robot_kind(config).description().track)
     horizons = [horizon for horizon in usable_horizons(first) if horizon in usable_horizons(second)]
     model = fit.correction, fit.motion
     held = [held_by(second, *model, fit_region(first, *model, horizon)) for horizon in horizons]

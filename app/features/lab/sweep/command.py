@@ -27,8 +27,9 @@ from app.features.lab.sweep.points import (
 from app.features.lab.sweep.report import FORMATS, plot_setting, require_format, write_table
 from app.features.lab.sweep.sweep_file import SweepFile, load_sweep
 from app.features.lab.workers import Workers, workers_from_options
-from app.files import atomic_file, make_folder
+from app.files import atomic_file
 from app.options import config_of
+from app.result_files import make_folder
 from app.settings.config import Config
 from robot.errors import BrickPoseError
 

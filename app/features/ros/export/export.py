@@ -16,8 +16,8 @@ from app.console import say
 from app.engine.robots import robot_spec
 from app.features.ros.encoding.motion import POSE_VARIANCE, TWIST_VARIANCE
 from app.features.ros.export.nav2 import nav2
-from app.files import make_folder
 from app.options import config_of
+from app.result_files import make_folder
 from app.settings.config import MAPS, Config
 from robot.description.spec import RobotSpec
 from robot.description.urdf import parse_xml

@@ -20,7 +20,8 @@ from app.features.calibration.messages import CalibrateCommand
 from app.features.calibration.routes import calibration_message, drive_message
 from app.messages.commands import SetCalibrationCommand
 from app.messages.driving_commands import StopCommand
-from app.settings.profiles import before, own_profile
+from app.settings.profile_files import before
+from app.settings.profiles import own_profile
 from robot.calibration.programme import USUAL_S
 from robot.description.profile import Profile, load_profile
 from robot.description.unknowns import NAMES, ROBOT

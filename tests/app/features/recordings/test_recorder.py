@@ -102,7 +102,7 @@ def test_a_full_disk_ends_the_recording_with_a_message_and_nothing_else(program,
     status = recorder.status
     assert status.message.startswith("The disk is full: the recording ended after")
     assert status.message == recorder.failure
-    assert publisher.failure is None
+    assert publisher.failures == ()
     assert not publisher._routes
     reader = open_recording(folder)
     assert reader.unfinished

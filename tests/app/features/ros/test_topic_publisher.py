@@ -10,10 +10,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 from ros_messages import topic
 
+from app.engine.plugging import plug_in, plugged
+from app.feature import Feature
+from app.features.ros.doctor_check import check_topics
 from app.features.ros.message_types import MessageError
 from app.features.ros.publisher import Pace, TopicPublisher, TopicRoute
 from app.features.ros.source import RosClock, TopicSource
-from app.features.ros.topics import TOPICS, UNCHANGING
+from app.features.ros.topics import TOPICS, UNCHANGING, Topic, topic_failures, topics
+from app.settings.config import Config
 from robot.worker_thread import WorkerThread
 
 ODOM, MAP = topic("odom"), topic("map")
@@ -123,7 +127,8 @@ def test_a_broken_route_ends_alone_and_says_why(program, publisher):
     before = well.next()
     run(program, 0.1)
     assert well.next().stamp > before.stamp
-    assert "broken route failed: no space left" in publisher.failure
+    (failure,) = publisher.failures
+    assert failure.startswith("broken route failed: RuntimeError: no space left (")
 
 
 def test_a_message_that_a_route_cannot_encode_costs_that_message_alone(program, publisher):
@@ -139,7 +144,7 @@ def test_a_message_that_a_route_cannot_encode_costs_that_message_alone(program, 
     before = route.next()
     run(program, 0.1)
     assert route.next().stamp > before.stamp
-    assert publisher.failure == "odom failed: no odometry"
+    assert publisher.failures == ("odom failed: no odometry",)
 
 
 def test_a_topic_that_cannot_be_made_ends_no_route(program, publisher, monkeypatch):
@@ -155,7 +160,8 @@ def test_a_topic_that_cannot_be_made_ends_no_route(program, publisher, monkeypat
     publisher.add(route)
     run(program, 0.1)
     assert route.next().topic.name == "joint_states"
-    assert "odom failed: nobody thought of this" in publisher.failure
+    (failure,) = publisher.failures
+    assert failure.startswith("odom failed: ZeroDivisionError: nobody thought of this (")
 
 
 def test_the_thread_is_there_only_while_a_route_is(program, publisher):
@@ -272,3 +278,47 @@ def test_a_clock_that_was_set_between_two_recordings_is_seen_by_the_second(progr
     here += 60
     clock.hold()
     assert clock.ns(65.0) == now
+
+
+def test_topics_of_features_that_fail_are_named_once_and_left_out(caplog):
+    asked = {"a": 0, "b": 0}
+
+    def broken(name):
+        def stamp(snapshot):
+            asked[name] += 1
+            return {}[name]
+
+        return Topic(name, "std_msgs/msg/Float64", stamp, lambda source, snapshot: None)
+
+    before = plugged().features
+    lamps = Feature(name="lamps", about="", topics=(lambda: [broken("a"), broken("b")],))
+    plug_in(before.adding(lamps))
+    try:
+        program = kinematic()
+        publisher = TopicPublisher(TopicSource.of(program), program.engine.every)
+        publisher.add(Collecting("odom", "a", "b"))
+        for snapshot in run(program, 0.2):
+            for each in topics():
+                publisher.publish(each, snapshot)
+        publisher.close()
+    finally:
+        plug_in(before)
+    for name, failure in zip("ab", publisher.failures, strict=True):
+        words = f"The topic {name} of the feature lamps is left out: KeyError: '{name}' ("
+        assert failure.startswith(words)
+        assert asked[name] <= 2  # the thread may ask at the same time
+    assert len(caplog.records) <= 4
+
+
+def test_a_topic_of_an_unknown_type_costs_its_feature_the_topics():
+    before = plugged().features
+    made = Topic("lamp", "std_msgs/msg/Lamp", lambda snapshot: 0.0, lambda *_: None)
+    plug_in(before.adding(Feature(name="lamps", about="", topics=(lambda: [made],))))
+    try:
+        assert topics() == TOPICS
+        (failure,) = topic_failures()
+        (finding,) = check_topics(Config())
+    finally:
+        plug_in(before)
+    assert "lamps cannot be used: std_msgs/msg/Lamp is an unknown type; valid are" in failure
+    assert (finding.level, finding.message) == ("problem", failure)

@@ -61,4 +61,4 @@ def test_physics_is_missed_only_by_the_robot_that_needs_it(monkeypatch) -> None:
 def test_without_a_robot_only_the_computer_is_looked_at() -> None:
     found = list(computer.check_computer(Config(robot="kinematic", port=0)))
     assert [one.level for one in found if one.level == PROBLEM] == []
-    assert len(found) == 5
+    assert len(found) == 6

@@ -20,8 +20,8 @@ from app.features.lab.evaluation.integrity.experiment import (
 from app.features.lab.evaluation.integrity.integrity_report import IntegrityResults, report
 from app.features.lab.evaluation.integrity.summary import Row, Stanford, summary_of
 from app.features.lab.workers import Workers, workers_from_options
-from app.files import RESULTS, atomic_folder, write_json
 from app.options import config_file
+from app.result_files import RESULTS, atomic_folder, write_json
 from app.settings.config import Config
 from app.settings.provenance import changed_settings, versions
 

@@ -9,9 +9,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from app.engine.robots import robot_kind
 from app.features.lab.evaluation.drives import Drive, Kidnap, random_pose_on_eight, record
 from app.settings.config import MAPS, Config
-from robot.description.spec import RobotSpec
 from robot.driving.figure_eight import FigureEight
 from robot.fields.field import Field
 from robot.fields.field_loading import load_field
@@ -80,7 +80,7 @@ def course_on(field: Field, config: Config) -> PlacedEight:
 
 def _drivable(radius: float, config: Config) -> FigureEight:
     """Return circles of a radius [m], no faster than the wheels and the limits allow."""
-    spec, drive = RobotSpec.load(), config.drive
+    spec, drive = robot_kind(config).description(), config.drive
     fastest = min(
         MARGIN * spec.max_v / (1 + spec.track / 2 / radius),
         MARGIN * drive.max_angular_velocity * radius,

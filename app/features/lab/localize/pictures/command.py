@@ -18,8 +18,8 @@ from app.features.lab.localize.pictures.follow import LocatedPicture, LocatedPic
 from app.features.lab.localize.pictures.motion import RecordedOdometry
 from app.features.lab.localize.pictures.sequence import SequenceError, read_sequence
 from app.features.lab.trajectories.reading import read_trajectory
-from app.files import require_writable
 from app.options import config_file
+from app.result_files import require_writable
 from app.settings.config import MAPS, Config
 from app.trajectories.trajectory import Trajectory
 from app.trajectories.tum_file import write_tum

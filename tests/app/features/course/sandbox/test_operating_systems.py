@@ -36,8 +36,9 @@ from app.features.course.source import read_source
 from app.features.own_models.model_file import ModelFile
 from app.features.recordings.library import RecordingError, rename
 from app.features.recordings.replay.parts import _names_file
-from app.files import atomic_file, is_portable
+from app.files import atomic_file
 from app.interruption import Interrupted, interruptible
+from app.result_files import is_portable
 from app.settings.config import ROOT, load_config
 from robot.errors import PortError
 from robot.hat import serial_port

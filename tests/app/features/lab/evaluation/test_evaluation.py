@@ -16,9 +16,9 @@ from app.features.lab.evaluation.results import METHODS, condition_table, spread
 from app.features.lab.evaluation.runs import Run, follow, settled, time_to_converge
 from app.features.lab.trajectories.reading import read_trajectory
 from app.features.lab.workers import LocalWorkers
-from app.files import atomic_folder
 from app.messages.commands import SetPoseCommand
 from app.messages.driving_commands import FigureEightCommand
+from app.result_files import atomic_folder
 from app.settings.config import Config
 from robot.settings import SettingError
 from sim.floor_camera import CameraSettings

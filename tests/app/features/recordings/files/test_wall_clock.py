@@ -21,7 +21,7 @@ WALL_CLOCK = re.compile(
 READERS = {
     "app/features/lab/calibrate/calibrated_robot.py",  # the date of a profile
     "app/features/lab/mapping/command.py",
-    "app/settings/profiles.py",
+    "app/settings/profile_files.py",
     "app/features/calibration/outlet.py",
     "app/features/recordings/outlet.py",  # the names of recordings
     "app/features/recordings/library.py",  # the age of a file that is written
