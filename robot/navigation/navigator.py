@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
 
 from robot.geometry import Array, Pose2, Twist2, wrap_angle
 from robot.localization.estimate import Integrity, State
 from robot.navigation.free_space import FreeSpace
+from robot.navigation.goal import Goal
 from robot.navigation.legs import WayLeg, curve, straight, turn
 from robot.navigation.planning import NoWayError, Planner, plan
 from robot.navigation.settings import NavigationSettings
@@ -55,14 +56,6 @@ UNSURE = {
 
 Job = Callable[[], tuple[WayLeg, ...]]
 """Plans; raises a ``NoWayError``."""
-
-
-class Goal(NamedTuple):
-    """A place in the map, and the heading there; None is any."""
-
-    x: float
-    y: float
-    theta: float | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,36 +1,21 @@
-"""What navigates in an engine: it sets the velocity of each tick while there is a journey."""
+"""Navigation: waits for the first journey in an engine, and then has a pilot."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
-from concurrent.futures import Future, ThreadPoolExecutor
-from functools import cached_property
-
-import numpy as np
+from typing import TYPE_CHECKING
 
 from app.engine.controls import Controls
 from app.features.navigation.journey import Journey
-from app.features.navigation.messages import CancelCommand
-from app.languages.marking import phrase
 from app.messages.commands import Command
 from app.settings.config import Config
-from robot.driving.differential_drive import DifferentialDrive
 from robot.fields.field import Field
-from robot.geometry import Pose2, Twist2
+from robot.geometry import Pose2
 from robot.interface import Reading, Robot
-from robot.navigation.free_space import FreeSpace
-from robot.navigation.legs import WayLeg
-from robot.navigation.navigator import NavigationStatus, Navigator, Sensed
-from robot.navigation.planning import NoWayError
-from robot.navigation.settings import NavigationSettings
-from robot.navigation.timed_way import Limits
 
-PATIENCE_S, FIRST_PATIENCE_S = 0.15, 0.3
-"""A way is driven this long after its planning began [s], on the robot's clock, so that drives
-repeat exactly, however fast the computer is. The first one also needs the free space."""
-LONGEST_TICK_S = 1.0
-"""A longer time between two ticks is a jump of a replay."""
+if TYPE_CHECKING:
+    from app.features.navigation.pilot import Pilot
+    from robot.navigation.navigator import NavigationStatus
 
 
 def companions(config: Config, robot: Robot, field: Field) -> tuple[Navigation, ...]:
@@ -39,144 +24,37 @@ def companions(config: Config, robot: Robot, field: Field) -> tuple[Navigation, 
 
 
 class Navigation:
-    """Navigates in one engine; ways are planned in a thread."""
+    """Goes along with one engine; whoever never sends a goal loads nothing of navigation."""
 
     def __init__(self, config: Config, field: Field) -> None:
-        """Prepare; nothing is worked out before the first goal."""
-        self.settings: NavigationSettings = config.group("navigation", NavigationSettings())
-        self.shown: NavigationStatus | None = None
         self._config = config
         self._field = field
-        self._journey: Journey | None = None
-        self._free: FreeSpace | None = None
-        self._future: Future[tuple[WayLeg, ...]] | None = None
-        self._due = 0.0
-        self._stamp = -np.inf
-        self._canceled = False
-        """Whether recordings shall know that a journey was ended by something else."""
+        self._pilot: Pilot | None = None
+
+    @property
+    def shown(self) -> NavigationStatus | None:
+        """The state of the journey; None before the first."""
+        return None if self._pilot is None else self._pilot.shown
 
     @property
     def needs_pictures(self) -> bool:
         """Whether the camera must not rest."""
-        return self._journey is not None
+        return self._pilot is not None and self._pilot.needs_pictures
 
     def commands(self, odom_from_robot: Pose2, controls: Controls) -> Iterable[Command]:
         """Tell recordings of a journey that ended before its goal."""
-        canceled, self._canceled = self._canceled, False
-        return (CancelCommand(type="cancel", before=controls.stamp),) if canceled else ()
+        return self._pilot.commands(controls) if self._pilot else ()
 
     def add(self, reading: Reading, controls: Controls) -> None:
         """Set the velocity of this tick, if there is a journey."""
-        programme = controls.driving.programme
-        journey = programme if isinstance(programme, Journey) else None
-        before, self._stamp = self._stamp, reading.stamp
-        if not 0 <= reading.stamp - before <= LONGEST_TICK_S:
-            self._jump(journey)
-        if journey is not self._journey:
-            self._change(journey, controls)
-        if journey is None or journey.helm.navigator is None:
-            return
-        navigator = journey.helm.navigator
-        tick = _tick(reading, controls)
-        self._plan(navigator, tick, controls)
-        if journey.helm.taken:
-            journey.helm.set(navigator.step(tick))
-        else:
-            navigator.hold(tick)
-            journey.helm.twist = Twist2()
-        self.shown = navigator.status
-        if not navigator.status.active:
-            self._journey = None
-            controls.driving.stop()
+        if self._pilot is None and isinstance(controls.driving.programme, Journey):
+            from app.features.navigation.pilot import Pilot  # noqa: PLC0415 - the first goal
+
+            self._pilot = Pilot(self._config, self._field, reading.stamp)
+        if self._pilot is not None:
+            self._pilot.add(reading, controls)
 
     def close(self) -> None:
-        """End the thread; a way that is planned is finished first."""
-        if "_worker" in vars(self):
-            self._worker.shutdown()
-
-    @cached_property
-    def _worker(self) -> ThreadPoolExecutor:
-        return ThreadPoolExecutor(1, "navigation")
-
-    def _jump(self, journey: Journey | None) -> None:
-        """Go on with the journey of another time, after a jump in a replay."""
-        self._journey, self._future, self.shown = journey, None, None
-        if journey is not None and journey.helm.navigator is not None:
-            journey.helm.navigator.ask_again()
-
-    def _change(self, journey: Journey | None, controls: Controls) -> None:
-        """Begin a journey, or end one that something else has ended."""
-        before, self._journey = self._journey, journey
-        self._future = None
-        if before is not None and before.helm.navigator is not None:
-            before.helm.navigator.cancel(_why(before, journey, controls))
-            self.shown = before.helm.navigator.status
-            self._canceled = journey is None and not before.helm.canceled
-        if journey is not None:
-            limits = self._limits(controls.driving.kinematics)
-            goals, repeat = journey.goals, journey.repeat
-            radius = float(np.hypot(*controls.spec.outline.T).max())
-            navigator = Navigator(
-                goals, self.settings, limits, radius=radius, name=journey.name, repeat=repeat
-            )
-            journey.helm.navigator = navigator
-            self.shown = navigator.status
-
-    def _limits(self, drive: DifferentialDrive) -> Limits:
-        wheels = (drive.left, drive.right)
-        rim = min(drive.spec.joints[each].max_velocity * drive.radii[each] for each in wheels)
-        return Limits.of(self._config.drive, self.settings, float(rim), drive.track)
-
-    def _plan(self, navigator: Navigator, tick: Sensed, controls: Controls) -> None:
-        """Have a way planned, or take one that is due."""
-        if self._future is not None:
-            if tick.stamp >= self._due:
-                future, self._future = self._future, None
-                try:
-                    navigator.take(future.result())
-                except NoWayError as error:
-                    navigator.take(error)
-            return
-        outline = controls.spec.outline
-        job = navigator.job(lambda: self._space(outline), tick)
-        if job is not None:
-            self._due = tick.stamp + (FIRST_PATIENCE_S if self._free is None else PATIENCE_S)
-            self._future = self._worker.submit(job)
-
-    def _space(self, outline: np.ndarray) -> FreeSpace:
-        """Return the free space; in the thread."""
-        if self._free is None:
-            self._free = FreeSpace.of(self._field, outline, self.settings)
-        return self._free
-
-
-def _why(before: Journey, journey: Journey | None, controls: Controls) -> str:
-    """Return in words why a journey has ended."""
-    if before.helm.canceled:
-        return phrase("somebody canceled it")
-    if journey is not None:
-        return phrase("another goal took its place")
-    if controls.driving.mode == "idle":
-        return phrase("the robot was stopped")
-    return phrase("somebody drives the robot otherwise")
-
-
-def _tick(reading: Reading, controls: Controls) -> Sensed:
-    odometry, follower = controls.odometry.at(reading.stamp), controls.follower
-    belief = follower.belief
-    pose = None if belief is None else belief.pose(odometry.odom_from_robot)
-    integrity = follower.integrity_at(odometry.odom_from_robot)
-    return Sensed(reading.stamp, pose, odometry.twist, integrity, _nearest(controls))
-
-
-def _nearest(controls: Controls) -> float:
-    """Return how near to the robot's middle the newest scan sees a wall [m]."""
-    newest = getattr(controls.follower, "newest", None)
-    if newest is None:
-        return math.inf
-    scan = newest[0]
-    seen = np.isfinite(scan.ranges)
-    start, ranges, bearings = scan.robot_from_scan, scan.ranges[seen], scan.bearings[seen]
-    x = start.x + ranges * np.cos(start.theta + bearings)
-    y = start.y + ranges * np.sin(start.theta + bearings)
-    return float(np.min(np.hypot(x, y), initial=math.inf))
+        """End the pilot's thread."""
+        if self._pilot is not None:
+            self._pilot.close()

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from app.engine.driving import Programme
 from app.features.navigation.messages import NavigateCommand
 from robot.geometry import Twist2
-from robot.navigation.navigator import Goal, Navigator
+from robot.navigation.goal import Goal
+
+if TYPE_CHECKING:
+    from robot.navigation.navigator import Navigator
 
 MODE = "navigate"
 

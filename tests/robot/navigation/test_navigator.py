@@ -10,7 +10,8 @@ from robot.fields.field_loading import load_field
 from robot.geometry import Pose2, Twist2
 from robot.localization.estimate import Integrity, State
 from robot.navigation.free_space import FreeSpace
-from robot.navigation.navigator import Goal, Navigator, Sensed
+from robot.navigation.goal import Goal
+from robot.navigation.navigator import Navigator, Sensed
 from robot.navigation.planning import NoWayError
 from robot.navigation.settings import NavigationSettings
 from robot.navigation.timed_way import Limits

@@ -47,7 +47,7 @@ def test_a_goal_that_was_sent_once_is_renewed_until_somebody_stops_it(bench):
 
 def test_it_is_not_renewed_when_its_sender_has_left(bench):
     bench.send(ONCE)
-    bench.go(0.5, renew=False)
+    bench.go(0.5)
     bench.outlets.drivers.leave(PAGE)
     bench.go(0.04, renew=False)
     assert bench.status.state == "canceled"

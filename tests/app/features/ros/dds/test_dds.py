@@ -206,7 +206,11 @@ def test_the_graph_has_one_node_with_these_readers_and_writers(rig, peer):
         if event[0] in seen and event[1].startswith("rt/") and event[3].startswith(found[1][:24]):
             seen[event[0]].add((event[1], event[3]))
     assert {topic for topic, _ in seen["writer"]} == {f"rt/{one.name}" for one in LIVE}
-    assert {topic for topic, _ in seen["reader"]} == {"rt/cmd_vel", "rt/initialpose"}
+    assert {topic for topic, _ in seen["reader"]} == {
+        "rt/cmd_vel",
+        "rt/goal_pose",
+        "rt/initialpose",
+    }
     for kind, gids in (("writer", node.writer_gid_seq), ("reader", node.reader_gid_seq)):
         assert {bytes(one.data).hex() for one in gids} == {gid for _, gid in seen[kind]}
 
