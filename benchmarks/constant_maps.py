@@ -5,6 +5,7 @@ Their drives are recorded once. A map lies on the floor as its first pose does.
 
 from __future__ import annotations
 
+import math
 import pickle
 import zlib
 from collections.abc import Callable
@@ -134,12 +135,12 @@ def tried(drives: list[LoggedDrive], other_numbers: int) -> dict[str, Any]:
     means, largest, missing = np.array([drawn.figures for drawn in maps]).T
     paths, medians, most = np.array([calibrated.figures for calibrated in robots]).T
     return {
-        "map's edges off [mm]": float(np.nanmean(means)),
-        "at most [mm]": float(np.nanmax(largest)),
-        "not drawn [%]": float(np.nanmean(missing)),
-        "calibrated path off [mm]": float(np.nanmean(paths)),
-        "unknowns off, median [sd]": float(np.nanmean(medians)),
-        "at most [sd]": float(np.nanmax(most)),
+        "map's edges off [mm]": _over(np.mean, means),
+        "at most [mm]": _over(np.max, largest),
+        "not drawn [%]": _over(np.mean, missing),
+        "calibrated path off [mm]": _over(np.mean, paths),
+        "unknowns off, median [sd]": _over(np.mean, medians),
+        "at most [sd]": _over(np.max, most),
         "refused": results.count(FAILED),
         "each": [result.number for result in results],
     }
@@ -182,3 +183,9 @@ def _calibrated(drive: LoggedDrive) -> AdjustedDrive:
     path = 1e3 * float(np.sqrt(np.mean(away**2)))
     figures = path, float(np.median(errors)), float(errors.max())
     return AdjustedDrive(figures, zlib.crc32(calibrated.values.tobytes()))
+
+
+def _over(measure: Callable[[Array], Any], figures: Array) -> float:
+    """Return a measure of the figures of what was not refused; nan if all was."""
+    known = figures[~np.isnan(figures)]
+    return float(measure(known)) if len(known) else math.nan

@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import NoReturn
 
 import pytest
 
 from benchmarks import constant_maps
-from robot.geometry import Pose2
+from robot.calibration.adjustment import CalibrationError
+
+
+def refused(*drive: object) -> NoReturn:
+    raise CalibrationError("it saw no tape")
 
 
 @pytest.mark.slow
@@ -21,6 +26,6 @@ def test_maps_and_calibrations_are_judged_by_the_truth_and_a_refused_one_counts(
     assert usual["map's edges off [mm]"] < 1 and usual["not drawn [%]"] < 5
     assert usual["calibrated path off [mm]"] < 2 and usual["at most [sd]"] < 4
     assert usual["refused"] == 0
-    monkeypatch.setattr(constant_maps, "PLACED", Pose2(1.5, 1.5, 0.0))
+    monkeypatch.setattr(constant_maps, "calibrate", refused)
     lost = constant_maps.tried(constant_maps.recorded(kept), 0)
     assert lost["refused"] == 1 and lost["each"][0] == usual["each"][0]

@@ -12,7 +12,7 @@ from app.engine.mailboxes.latest import Latest
 from app.engine.snapshot import Snapshot
 from app.features.control.messages import Hangs, SentTick, Watched
 
-UNWATCHED_S = 0.5
+UNWATCHED_S = 0.2
 """Interval of snapshots while nobody looks [s]: for whoever comes next, and for health.
 
 Without a tick for this time the server is told where the loop hangs."""

@@ -181,6 +181,13 @@ TOPICS: tuple[Topic, ...] = (
         live=False,
     ),
     Topic(
+        "goal_pose",
+        "geometry_msgs/msg/PoseStamped",
+        robot_state.goal_pose_stamp,
+        robot_state.goal_pose,
+        live=False,
+    ),
+    Topic(
         "command",
         "std_msgs/msg/String",
         robot_state.commands_stamp,

@@ -1,4 +1,4 @@
-"""robot_description, battery_state, diagnostics: the robot; initialpose, command: its commands."""
+"""robot_description, battery_state, diagnostics; and what it is told: initialpose, command."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ import numpy as np
 from app.engine.pose_commands import covariance_of
 from app.engine.snapshot import Snapshot
 from app.engine.values import values
-from app.features.ros.encoding.frames import header, pose_with_covariance
+from app.features.navigation.messages import GoalMessage, NavigateCommand
+from app.features.ros.encoding.frames import header, pose, pose_with_covariance
 from app.features.ros.encoding.motion import each_second
 from app.features.ros.message_types import Message, new
 from app.features.ros.source import TopicSource
@@ -102,6 +103,34 @@ def initial_pose(source: TopicSource, snapshot: Snapshot) -> Message:
 def _initial_pose(snapshot: Snapshot) -> SetPoseCommand | None:
     poses = [command for command in snapshot.commands if isinstance(command, SetPoseCommand)]
     return poses[-1] if poses else None
+
+
+def goal_pose_stamp(snapshot: Snapshot) -> float | None:
+    """The tick's stamp if the robot was sent to a single goal in it, else None."""
+    return snapshot.stamp if _goal(snapshot) else None
+
+
+def goal_pose(source: TopicSource, snapshot: Snapshot) -> Message:
+    """The last goal that was given, as RViz would have sent it; without a heading, as it faces."""
+    goal = _goal(snapshot)
+    assert goal is not None  # otherwise the stamp is None
+    heading = goal.theta
+    if heading is None:
+        heading = (snapshot.pose or snapshot.odometry).theta
+    return new(
+        "geometry_msgs/msg/PoseStamped",
+        header=header(source, snapshot.stamp, source.settings.global_frame_id),
+        pose=pose(Pose2(goal.x, goal.y, heading)),
+    )
+
+
+def _goal(snapshot: Snapshot) -> GoalMessage | None:
+    goals = [
+        command.poses[0]
+        for command in snapshot.commands
+        if isinstance(command, NavigateCommand) and command.poses and len(command.poses) == 1
+    ]
+    return goals[-1] if goals else None
 
 
 def diagnostics(source: TopicSource, snapshot: Snapshot) -> Message:

@@ -7,7 +7,12 @@ from app.features.ros.topics import TOPICS, UNCHANGING
 
 
 def test_only_what_others_publish_is_not_live():
-    assert {one.name for one in TOPICS if not one.live} == {"cmd_vel", "initialpose", "command"}
+    assert {one.name for one in TOPICS if not one.live} == {
+        "cmd_vel",
+        "initialpose",
+        "goal_pose",
+        "command",
+    }
 
 
 def test_who_comes_late_gets_what_stays():
