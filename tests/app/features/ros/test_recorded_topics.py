@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 import pytest
 from engine_runs import EIGHT, kinematic, run
+from journeys import goal
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 from node_peers import needs_node, run_node
@@ -21,6 +22,8 @@ from app.settings.config import ROOT
 from robot.geometry import Pose2
 from sim.simulated import PERIOD
 
+GOAL = goal(0.1, -0.05, 0.3)
+"""Given in the recording; the figure-eight is then driven on."""
 TOLD = SetPoseCommand(type="set_pose", x=0.01, y=0.02, theta=0.3, sd_xy=0.1, sd_theta=0.2)
 
 
@@ -35,6 +38,8 @@ def recorded(tmp_path_factory):
     for tick in range(round(2.2 / PERIOD)):
         if tick == 40:
             program.engine.commands.put(TOLD)
+        if tick == 60:
+            program.engine.commands.put(GOAL)
         snapshot = replace(run(program, PERIOD, EIGHT)[0], battery_v=7.5 + tick / 1000)
         publisher.tick(snapshot)
         shown[publisher.source.clock.ns(snapshot.stamp)] = snapshot
@@ -232,3 +237,12 @@ def test_the_example_of_the_documentation_works(recorded, of_topic, capsys, monk
 def test_the_documentation_has_every_topic():
     page = (ROOT / "docs" / "recordings.md").read_text(encoding="utf-8")
     assert [one.name for one in TOPICS if f"`/{one.name}`" not in page] == []
+
+
+def test_a_goal_is_as_it_was_given(of_topic):
+    ((message, snapshot),) = of_topic("/goal_pose")
+    assert GOAL in snapshot.commands
+    assert message.header.frame_id == "map"
+    assert (message.pose.position.x, message.pose.position.y) == (0.1, -0.05)
+    turn = message.pose.orientation
+    assert 2 * math.atan2(turn.z, turn.w) == pytest.approx(0.3)
