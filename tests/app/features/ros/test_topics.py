@@ -35,10 +35,11 @@ def source(program):
 
 @pytest.fixture(scope="module")
 def ticks(program, source):
-    """Two seconds of the figure-eight; the last tick but one is told a pose and a goal."""
+    """Two seconds of the figure-eight; then a tick is told a goal, and one a pose."""
     found = run(program, 2.0, EIGHT)
     pose = SetPoseCommand(type="set_pose", x=0.1, y=-0.05, theta=0.3, sd_xy=0.02, sd_theta=0.1)
-    found += run(program, 0.02, PingCommand(type="ping"), pose, goal(0.1, -0.05, 0.3))
+    found += run(program, 0.02, goal(0.1, -0.05, 0.3))
+    found += run(program, 0.02, PingCommand(type="ping"), pose)
     found += run(program, 0.02, EIGHT)
     source.clock.follow(found[0])
     return found
