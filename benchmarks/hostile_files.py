@@ -9,10 +9,9 @@ from __future__ import annotations
 
 import re
 import tempfile
-import threading
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
 from datetime import datetime
 from functools import partial
@@ -31,7 +30,7 @@ from app.foreign_files import read_apart
 from app.messages.driving_commands import FigureEightCommand
 from app.settings.config import MAPS, Config
 from benchmarks.result import Result
-from benchmarks.served_simulation import Ticks, served_simulation
+from benchmarks.served_simulation import Ticks, in_a_thread, served_simulation
 from robot.errors import BrickPoseError
 from robot.fields.field import Field
 from robot.fields.field_loading import load_field
@@ -151,26 +150,12 @@ def _in_turns(read: Callable[[], object], ticks: Ticks) -> tuple[float, float]:
     for _ in range(TURNS):
         time.sleep(1.0)
         alone.append(ticks.percentile_ms(99, SECONDS))
-        with _being_read(read):
+        with in_a_thread(partial(_tried, read)):
             time.sleep(READING_S)
             present.append(ticks.percentile_ms(99, SECONDS))
     return float(np.median(present)), float(np.median(alone))
 
 
-@contextmanager
-def _being_read(read: Callable[[], object]) -> Iterator[None]:
-    """Read a file again and again, in a thread as the page's requests have."""
-    over = threading.Event()
-
-    def work() -> None:
-        while not over.is_set():
-            with suppress(BrickPoseError):
-                read()
-
-    thread = threading.Thread(target=work, name="hostile file")
-    thread.start()
-    try:
-        yield
-    finally:
-        over.set()
-        thread.join()
+def _tried(read: Callable[[], object]) -> None:
+    with suppress(BrickPoseError):
+        read()

@@ -9,7 +9,6 @@ import json
 import re
 import subprocess
 import sys
-import threading
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from functools import partial
@@ -23,7 +22,7 @@ from app.engine.program import Program
 from app.features.mapping.map_drawer import MapDrawer
 from app.settings.config import ROOT
 from benchmarks.result import Result
-from benchmarks.served_simulation import Ticks, served_simulation
+from benchmarks.served_simulation import Ticks, in_a_thread, served_simulation
 
 VIEWERS, CLASS = 5, 30
 """A few viewers; and those of a class, all at one robot."""
@@ -63,10 +62,10 @@ def _in_turns(*, one_process: bool) -> tuple[dict[str, float], dict[str, float]]
             "nothing": nullcontext,
             f"{VIEWERS} viewers": partial(_viewers, address, VIEWERS, rates),
             f"{CLASS} viewers": partial(_viewers, address, CLASS, {}),
-            "a thread that spins": partial(_thread, lambda: None),
-            "a report by matplotlib": partial(_thread, _draw_report),
+            "a thread that spins": partial(in_a_thread, lambda: None),
+            "a report by matplotlib": partial(in_a_thread, _draw_report),
             "a map that is drawn": partial(_map_drawn, program),
-            "a slow pattern": partial(_thread, lambda: PATTERN[0].match(PATTERN[1])),
+            "a slow pattern": partial(in_a_thread, lambda: PATTERN[0].match(PATTERN[1])),
         }
         times: dict[str, list[float]] = {name: [] for name in disturbances}
         for _ in range(TURNS):
@@ -90,24 +89,6 @@ def _viewers(address: str, count: int, rates: dict[str, float]) -> Iterator[None
         viewers.stdout.readline()  # wait until all are connected
         yield
         rates |= json.loads(viewers.stdout.readline())
-
-
-@contextmanager
-def _thread(work: Callable[[], object]) -> Iterator[None]:
-    """Do work again and again in a thread of this process."""
-    over = threading.Event()
-
-    def repeat() -> None:
-        while not over.is_set():
-            work()
-
-    thread = threading.Thread(target=repeat, name="disturbance")
-    thread.start()
-    try:
-        yield
-    finally:
-        over.set()
-        thread.join()
 
 
 def _draw_report() -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 
 import numpy as np
@@ -84,6 +84,24 @@ def served_simulation(*, one_process: bool = False) -> Iterator[tuple[str, Ticks
             driver.join()
         server.stop()
         thread.join(10)
+
+
+@contextmanager
+def in_a_thread(work: Callable[[], object]) -> Iterator[None]:
+    """Do work again and again in a thread of this process, until the block ends."""
+    over = threading.Event()
+
+    def repeat() -> None:
+        while not over.is_set():
+            work()
+
+    thread = threading.Thread(target=repeat, name="disturbance")
+    thread.start()
+    try:
+        yield
+    finally:
+        over.set()
+        thread.join()
 
 
 def _drive(program: Program, over: threading.Event) -> None:
