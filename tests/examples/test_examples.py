@@ -11,7 +11,7 @@ import pytest
 from engine_runs import drive, kinematic
 from engine_runs import run as drive_for
 from recordings import record
-from serving import ROOT, serving
+from serving import ROOT, ask, serving
 
 from app.engine.build import build_program
 from app.engine.plugging import plug_in, plugged
@@ -153,6 +153,8 @@ def test_a_client_drives(run, server):
 
 
 def test_a_client_sends_the_robot_to_a_place(run, server):
+    with server.live() as live:
+        ask(live, type="reset")  # other examples may have left it where it cannot turn
     said = run("go_to.py", "-0.1", "0.05", "90", f"ws://{server.address}/api/live")
     assert said[-1].startswith("arrived")
 

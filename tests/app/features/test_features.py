@@ -202,7 +202,7 @@ def test_features_of_others_that_cannot_be_loaded_are_named_and_the_rest_is_ther
     assert len(features.failures) == len(BROKEN)
     for name, (_, why) in BROKEN.items():
         begin = f"The feature {name} cannot be used: {why}"
-        assert any(failure.startswith(begin) for failure in features.failures), name
+        assert any(failure.startswith(begin) for failure in features.failures), features.failures
 
 
 def test_two_packages_with_a_feature_of_one_name_are_both_named(tmp_path, monkeypatch):
