@@ -167,8 +167,8 @@ def extrapolated(ratings: Sequence[Rating], chosen: Rating) -> float:
     apart = [0.0]
     for rating in ratings:
         if rating.rms < ALIKE * chosen.rms and _is_bounded(rating.fit.lens):
-            off = np.hypot(*(rating.fit.lens.project(rays) - corners).T)
-            apart += off[np.isfinite(off)].tolist()
+            distances = np.hypot(*(rating.fit.lens.project(rays) - corners).T)
+            apart += distances[np.isfinite(distances)].tolist()
     return max(apart)
 
 

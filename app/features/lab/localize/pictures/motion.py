@@ -148,8 +148,8 @@ def disagreement(before: Picture, picture: Picture, moved: Pose2, view: FloorVie
     """
     first, second = (cv2.cvtColor(image, cv2.COLOR_BGR2GRAY) for image in (before, picture))
     expected, seen = _moves(first, second, moved, view)
-    off = np.nan_to_num(np.hypot(*(expected - seen).T), nan=np.inf)
-    return float(np.median(off)) if len(off) else math.inf
+    misses = np.nan_to_num(np.hypot(*(expected - seen).T), nan=np.inf)
+    return float(np.median(misses)) if len(misses) else math.inf
 
 
 def _moves(
