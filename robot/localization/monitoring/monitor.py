@@ -40,6 +40,11 @@ pictures 30.5 % are certain and 0.7 % misleading; half: 29.8 and 0.6; twice: 33.
 JUMP, JUMP_TURN = 0.04, 0.2
 """A pose farther than this from the one that odometry predicts is another place [m], [rad]. Half
 and twice the distance: nothing changes beyond chance."""
+JOLT, JOLT_TURN = 0.006, 0.04
+"""A pose that leaves the one predicted by odometry between two pictures by more than this, and by
+more than its spread and slipping wheels explain, contradicts odometry [m], [rad]."""
+SLIPS, SPREADS = 0.5, 1.5
+"""What slipping wheels explain, as a share of the step, and how many standard deviations."""
 LOOSEST = 4.0
 """Largest factor on odometry's standard deviations. Half: 99 % of the errors within 42 instead of
 46 mm, and the rest, as with twice, unchanged beyond chance."""
@@ -92,14 +97,16 @@ class Monitor:
         """Pitch and roll [rad] that were taken off the scans of the steps compared."""
         self._causes = Causes()
         self._stamp: float | None = None
-        self._last: tuple[Pose2, Pose2] | None = None
-        """Pose and odometry of the last scan."""
+        self._last: tuple[Hypothesis, Pose2] | None = None
+        """Hypothesis and odometry of the last scan."""
         self._seen = -math.inf
         """Stamp at which edges were last seen [s]."""
         self._torn = False
         """Whether the steps of the pose do not agree with odometry."""
         self._doubted = -math.inf
         """Stamp of the last alert [s]."""
+        self.contradicted = False
+        """Whether the newest pose is where neither odometry nor slipping wheels can have led."""
         self.doubt = NO_DOUBT
         self.lateness = 0.0
         """How much later pictures seem to be stamped than they were taken [s]."""
@@ -112,7 +119,7 @@ class Monitor:
         """Restart at another given pose: keep the robot's errors, and drop the steps so far."""
         self._odometry.restart()
         self._fit.restart()
-        self._last, self._torn = None, False
+        self._last, self._torn, self.contradicted = None, False, False
         self._causes.forget()
         self.doubt = NO_DOUBT
 
@@ -161,7 +168,9 @@ class Monitor:
         self._stamp = scan.stamp
         rays = rays_of(scan, BEAMS)
         expected = self._expected(odometry)
-        if expected is not None and _is_far(expected, hypothesis.pose):
+        far = expected is not None and _is_far(expected, hypothesis.pose)
+        self.contradicted = self._odometry.settled and self._contradicts(hypothesis, odometry)
+        if far or self.contradicted:
             self._odometry.restart()
             self._causes.forget()
         # On bent tape, the residuals of a pose that is centimetres off would look like a tilt.
@@ -179,7 +188,7 @@ class Monitor:
             self._camera.exactness,
         )
         self._fit.observe(self._evidence, rays, hypothesis.pose, expected)
-        self._last = hypothesis.pose, odometry
+        self._last = hypothesis, odometry
         # At a wrong place, nothing can be learnt about the robot's errors.
         trusted = hypothesis.weight > ONLY_PLACE and self._fit.fits and used > EXPLAINED * returned
         if trusted:
@@ -243,8 +252,23 @@ class Monitor:
         """Return the last pose, moved on by odometry; None without a last pose."""
         if self._last is None:
             return None
-        pose, before = self._last
-        return pose @ self.corrected_step(before.inverse() @ odometry)
+        last, before = self._last
+        return last.pose @ self.corrected_step(before.inverse() @ odometry)
+
+    def _contradicts(self, hypothesis: Hypothesis, odometry: Pose2) -> bool:
+        """Return whether no slip explains the step to a hypothesis."""
+        if self._last is None:
+            return False
+        last, before = self._last
+        moved = self.corrected_step(before.inverse() @ odometry)
+        off = (last.pose @ moved).inverse() @ hypothesis.pose
+        variances = (last.covariance + hypothesis.covariance).diagonal()
+        way, spread = math.hypot(moved.x, moved.y), math.sqrt(variances[0] + variances[1])
+        turn, turn_spread = abs(moved.theta), math.sqrt(variances[2])
+        return (
+            math.hypot(off.x, off.y) > JOLT + SLIPS * way + SPREADS * spread
+            or abs(off.theta) > JOLT_TURN + SLIPS * turn + SPREADS * turn_spread
+        )
 
     def _looseness(self, findings: Findings) -> float:
         rest = findings.odometry.rest
