@@ -172,7 +172,7 @@ class Monitor:
         rays = rays_of(scan, BEAMS)
         expected = self._expected(odometry)
         far = expected is not None and _is_far(expected, hypothesis.pose)
-        self.contradicted = self._odometry.settled and self._contradicts(hypothesis, odometry)
+        self.contradicted = self._contradicts(expected, hypothesis)
         if far or self.contradicted:
             self._odometry.restart()
             self._causes.forget()
@@ -258,20 +258,16 @@ class Monitor:
         last, before = self._last
         return last.pose @ self.corrected_step(before.inverse() @ odometry)
 
-    def _contradicts(self, hypothesis: Hypothesis, odometry: Pose2) -> bool:
-        """Return whether no slip explains the step to a hypothesis."""
-        if self._last is None:
+    def _contradicts(self, expected: Pose2 | None, hypothesis: Hypothesis) -> bool:
+        """Return whether neither odometry nor slip leads to where the robot should be now."""
+        if expected is None or self._last is None or not self._odometry.settled:
             return False
-        last, before = self._last
-        moved = self.corrected_step(before.inverse() @ odometry)
-        off = (last.pose @ moved).inverse() @ hypothesis.pose
+        last, _ = self._last
+        moved, offset = last.pose.inverse() @ expected, expected.inverse() @ hypothesis.pose
         variances = (last.covariance + hypothesis.covariance).diagonal()
-        way, spread = math.hypot(moved.x, moved.y), math.sqrt(variances[0] + variances[1])
-        turn, turn_spread = abs(moved.theta), math.sqrt(variances[2])
-        return (
-            math.hypot(off.x, off.y) > JOLT + SLIPS * way + SPREADS * spread
-            or abs(off.theta) > JOLT_TURN + SLIPS * turn + SPREADS * turn_spread
-        )
+        way = SLIPS * math.hypot(moved.x, moved.y) + SPREADS * math.hypot(*np.sqrt(variances[:2]))
+        turn = SLIPS * abs(moved.theta) + SPREADS * math.sqrt(variances[2])
+        return math.hypot(offset.x, offset.y) > JOLT + way or abs(offset.theta) > JOLT_TURN + turn
 
     def _looseness(self, findings: Findings) -> float:
         rest = findings.odometry.rest
