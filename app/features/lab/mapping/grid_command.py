@@ -111,7 +111,8 @@ def _draw(
     Returns:
         Their stamps [s], none if there is nothing to draw; and the first look of the next drive.
     """
-    stamps, has_met, following = [], False, None
+    stamps: list[float] = []
+    has_met, following = False, None
     for look in chain([first], looks):
         if look.begins and stamps:
             following = look
