@@ -168,7 +168,7 @@ def beginnings(seen: Sequence[_Seen]) -> Iterator[tuple[int, str]]:
             yield index, f"a laser with {this.beams} beams follows one with {before.beams}"
         elif min(time, later) > APART_S:
             yield index, f"it is {time / 86400:.0f} days later"
-        elif max(time, later) < 0 and all((np.diff(each) > 0).all() for each in around):
+        elif max(time, later) < 0 and all((np.diff(each) >= 0).all() for each in around):
             yield index, f"its clock is {-time:.0f} s earlier"
         elif far > FARTHEST_M and not far < LEAST_SPEEDS[0] * time:
             yield index, f"the robot is {far:.1f} m away, where it cannot have driven"

@@ -107,6 +107,15 @@ def test_another_drive_in_the_same_log_is_told(
     assert all(words is not None and "line 9" in said and words in said for said in remarks)
 
 
+def test_a_log_with_cut_stamps_ends_where_another_begins(tmp_path: Path) -> None:
+    path = tmp_path / "both.log"
+    stamps = [1.13486e9] * 8 + [0.5 * k for k in range(8)]
+    path.write_text("".join(f"FLASER 2 2.0 2.0 0 0 0 0 0 0 {at!r} host 0\n" for at in stamps))
+    drives, remarks = read(path)
+    assert [len(drive) for drive in drives] == [8, 8]
+    assert any("line 9: another drive begins, as its clock" in words for words in remarks)
+
+
 @given(st.lists(st.integers(0, 10**9), min_size=1, max_size=30))
 def test_whatever_stamps_a_drive_has_they_rise(tmp_path_factory, stamps: list[int]) -> None:
     path = tmp_path_factory.mktemp("logs") / "any.log"
