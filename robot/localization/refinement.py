@@ -19,11 +19,9 @@ from robot.scan import Scan, rays_of
 
 FEWEST_BEAMS = 100
 """At least this many rays of a scan are used, if it has them: they cost little here, and each one
-improves the pose. Half and twice, together with NEAR_SHARE, WIDEST, MEAN_ERROR and INEXACT: nothing
-changes beyond chance (``--few``)."""
+improves the pose."""
 NEAR_SHARE = 0.1
-"""Spread of a near range as a share of ``sigma_hit``, which also covers the gaps in a cloud. Half
-and twice: see ``FEWEST_BEAMS``."""
+"""Spread of a near range as a share of ``sigma_hit``, which also covers the gaps in a cloud."""
 BELIEVED = 16.0
 """Factor by which the pose's variance is smaller than the spread of its rays says. That spread
 weighs the rays against the cloud, and gives the most exact pose; this factor then makes the
@@ -31,18 +29,16 @@ covariance honest (NEES near 3). Half and twice: certain in 31 to 32 % of pictur
 and misleading as often."""
 WIDEST = 5.0
 """A hypothesis wider than this many standard deviations of a range is not refined: its mean may lie
-between two places. Half and twice: see ``FEWEST_BEAMS``."""
+between two places."""
 DRAWN = 4.0
 """Factor on the covariance of a cloud. Where scans say nothing, as along a single edge, clouds grow
 too narrow: by chance in resampling, and because the errors of scans are correlated. Half and twice:
 nothing changes beyond chance (``--few``)."""
 MEAN_ERROR = np.diag(np.square([1e-3, 1e-3, 3e-3]))
-"""Error of the filter's mean that its covariance does not include [m², m², rad²]. Half and twice:
-see ``FEWEST_BEAMS``."""
+"""Error of the filter's mean that its covariance does not include [m², m², rad²]."""
 INEXACT = np.diag(np.square([1e-4, 1e-4, 3e-4]))
 """Covariance that remains with any number of rays: a lens and a drawing have limited accuracy, and
-the errors of the rays of one picture are correlated [m², m², rad²]. Half and twice: see
-``FEWEST_BEAMS``."""
+the errors of the rays of one picture are correlated [m², m², rad²]."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -38,19 +38,16 @@ from robot.localization.particles.resampling import effective_sample_size, joine
 from robot.scan import Scan, rays_of
 
 BEAMS = 60
-"""Rays of a scan by which hypotheses are weighed. Half and twice: nothing changes beyond chance
-(``--few``)."""
+"""Rays of a scan by which hypotheses are weighed."""
 CONFIRMING = 0.5
 """A search that confirms a known place needs only this share of the returns of other searches.
 Half: no claim changes; twice: certain in 41.6 % instead of 40.7, and misleading as often
 (``--few``)."""
 LEAST_SHARE = 0.2
-"""A track keeps at least this share of its particles, however many tracks there are. Half and
-twice: nothing changes beyond chance (``--few``)."""
+"""A track keeps at least this share of its particles, however many tracks there are."""
 BORN_SHARE = 0.05
 """Share of the particles of a new track: its place is known to centimetres, so a few are enough.
-Half: nothing changes beyond chance; twice: one of ten places is not found, by chance none
-(``--few``)."""
+Half: nothing changes beyond chance; twice: one of ten places is not found (``--few``)."""
 PRIOR_MAP_LENGTHS = 4
 """Lengths of a short map after which the given start does not count: scans tell more by then."""
 

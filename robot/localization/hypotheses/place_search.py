@@ -23,15 +23,14 @@ from robot.localization.scan_matching import Match
 
 COARSE_SCANS, COARSE_BEAMS = 12, 6
 """Scans, and rays of each, by which the grid is scored. Half of these, of the four below and of
-PEAKS together: misleading in 2.6 % of pictures instead of 0.6, and one of ten places is not found;
-twice: found after 1.9 instead of 1.6 s, and one is not found (``python -m benchmarks.constants
---few``)."""
+PEAKS: 2.6 % of pictures are misleading, not 0.6, and one of ten places is not found; twice: found
+after 1.9 s, not 1.6, and one is not found (``--few``)."""
 SCANS, BEAMS = 12, 12
-"""Scans, and rays of each, that are laid on the edges. Half and twice: see ``COARSE_SCANS``."""
+"""Scans, and rays of each, that are laid on the edges."""
 REPLAYED_SCANS, REPLAYED_BEAMS = 8, 30
-"""Scans, and rays of each, that are replayed. Half and twice: see ``COARSE_SCANS``."""
+"""Scans, and rays of each, that are replayed."""
 PEAKS = 90
-"""Poses of the grid that are laid on the edges. Half and twice: see ``COARSE_SCANS``."""
+"""Poses of the grid that are laid on the edges."""
 WORSE = 1.5
 """A place is dropped if its log-likelihood per ray is this much below the best one's. Half and
 twice: nothing changes beyond chance (``python -m benchmarks.constants --few``)."""

@@ -29,18 +29,17 @@ overconfident, and would stay where it is until it is lost. So it is restarted w
 they fit better there. Scans beyond FARTHEST count too: without them, two of 12 robots with askew
 cameras get lost. Half and twice of FAR: nothing changes beyond chance (``--few``)."""
 NARROW = 0.012
-"""In a cloud narrower than this [m], each ray can only be of the nearest edge. Half of NARROW,
-FORGETTING, STEADY, INDIFFERENT and STRAY together: nothing changes beyond chance; twice: places are
-found after 1.9 and 2.1 s instead of 1.6 and 1.1, and 36.6 % of pictures are certain instead of 38.3
-(``python -m benchmarks.constants --few``)."""
+"""In a cloud narrower than this [m], each ray can only be of the nearest edge. Half of this,
+FORGETTING, STEADY, INDIFFERENT and STRAY: nothing changes beyond chance; twice: places are found
+after 1.9 and 2.1 s, not 1.6 and 1.1, and 36.6 % are certain, not 38.3 (``--few``)."""
 SHARP = 0.008
 """A pose that is known better than this [m, rad] is weighed at its mean alone."""
 STEADY, FORGETTING = 0.6, 0.2
 """How much more log-likelihood a scan may count than the mean of the scans before it, and the share
-of a new scan in that mean. Half and twice: see ``NARROW``."""
+of a new scan in that mean."""
 INDIFFERENT = 0.5
 """Smaller losses of log-likelihood do not count: a single ray makes as much. Such small differences
-come from where a fit ends, and they would add up. Half and twice: see ``NARROW``."""
+come from where a fit ends, and they would add up."""
 
 ONE_THING, FORGIVEN = 6.0, 0.1
 """Most log-weight that a confirmed place loses by one thing on the floor, and how much of that is
@@ -49,8 +48,7 @@ scans, but only once: it must not outweigh all that was seen before it. Half and
 no claim changes (``--few``)."""
 
 STRAY = 0.05
-"""Clusters below this share of a track's heaviest cluster are not separate places. Half and twice:
-see ``NARROW``."""
+"""Clusters below this share of a track's heaviest cluster are not separate places."""
 
 
 class TrackFilter(Filter, Protocol):

@@ -28,11 +28,9 @@ from robot.localization.scan_matching import SLOPE, ScanMatcher
 from robot.scan import Scan, rays_of
 
 BEAMS = 91
-"""Rays of a scan that are checked. Half and twice: see ``fit_check.FORGETTING``; a scan has no more
-rays."""
+"""Rays of a scan that are checked."""
 LAID_SD = 0.0003
-"""Spread of a near range with which a scan is laid on the edges before it is checked [m]. Half and
-twice: nothing changes beyond chance (``--few``)."""
+"""Spread of a near range with which a scan is laid on the edges before it is checked [m]."""
 EXPLAINED = 0.6
 """The only place must explain more than this share of the returns, for errors of the robot to be
 learnt there. With 0.3 or 0.8 nothing changes beyond chance."""
@@ -59,8 +57,7 @@ SCALE_SD, SCALE_DOUBTED = 0.008, 0.015
 """Standard deviation of the scale of a map that is not doubted, and of one that is. Half of
 SCALE_SD: misleading in 0.8 % instead of 0.7; twice: in 0.2, and as many certain (``--few``)."""
 SAME_TILT = math.radians(0.03)
-"""Tilts that differ by less [rad] shift a pose by less than scans do. Half and twice: see
-``fit_check.FORGETTING``."""
+"""Tilts that differ by less [rad] shift a pose by less than scans do."""
 LEAST_LATE = 0.001
 """A smaller lateness is not corrected [s]. Half and twice: the median error is the same."""
 LATE_SURE, LATE_BLEND = 3.0, 0.1

@@ -74,8 +74,7 @@ this share of the residuals. Half of STANDS_OUT: no claim changes; twice: nothin
 chance (``--few``)."""
 USUAL = SteadyErrors()
 BLEND = 0.2
-"""Share of a change of the tilt that is taken off the next scan. Half and twice: nothing changes
-beyond chance (``--few``)."""
+"""Share of a change of the tilt that is taken off the next scan."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

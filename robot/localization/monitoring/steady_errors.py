@@ -16,14 +16,12 @@ MEMORY = 20.0
 """Scans and steps older than this hardly count for steady errors [s]."""
 UNCALIBRATED = np.array([0.015, 0.03, 0.5, 0.04, 0.002, 0.002, 0.008])
 """Of wheels, clock and place of the camera, in the order of ``odometry_check.ERRORS`` [s, -, rad/m,
--, m, m, rad]. Half, with half of CAREFUL_MOUNT: misleading in 5.0 % of pictures instead of 0.6;
-twice: in none, 38.0 % certain instead of 38.3, and the cause of an error is named in 45.2 % instead
-of 47.4 to 56.5 (``python -m benchmarks.constants --few``)."""
+-, m, m, rad]. Half, with half of CAREFUL_MOUNT: misleading in 5.0 % of pictures, not 0.6; twice: in
+none, 38.0 % certain, not 38.3, and fewer causes are named (``--few``)."""
 CHANGED = np.array([0.002, 0.005, 0.1, 0.01, 0.0003, 0.0003, 0.001])
 """How far a calibrated robot may have changed since: tyres wear, cameras are late by turns."""
 CAREFUL_MOUNT = np.array([math.radians(0.3), math.radians(0.3), 0.0015])
-"""Of the camera's pitch and roll [rad], if it was mounted with care, and of the map's scale. Half
-and twice: see ``UNCALIBRATED``."""
+"""Of the camera's pitch and roll [rad], if it was mounted with care, and of the map's scale."""
 SAME_MOUNT = math.radians(0.03)
 """How far a mast may have bent since its calibration [rad]."""
 
