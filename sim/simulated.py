@@ -224,9 +224,7 @@ class SimulatedRobot:
         self._drawn = -math.inf
         view = self._change_robot(settings.imperfections)
         self._settings = settings.camera
-        self.settings = SimSettings(
-            camera=settings.camera, imperfections=settings.imperfections
-        )
+        self.settings = SimSettings(camera=settings.camera, imperfections=settings.imperfections)
         rng = copy.deepcopy(self._rng)
         self._camera = FloorCamera(view, self._floor, settings.camera, rng)
         self._exposures = Exposures(settings.camera, self.spec.lens.readout, rng.spawn(1)[0])

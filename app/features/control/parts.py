@@ -127,7 +127,11 @@ class PartsWriter:
     def _array(self, value: NDArray[Any]) -> Any:
         plain = value.flags.c_contiguous and value.dtype.kind in "bfiu"
         if value.nbytes < SMALLEST:
-            return (_array, (value.tobytes(), value.dtype.str, value.shape)) if plain else _usual(value)
+            return (
+                (_array, (value.tobytes(), value.dtype.str, value.shape))
+                if plain
+                else _usual(value)
+            )
         if not plain:
             return _usual(value) if value is self._whole else self._part(value)
         known = self._known(value)

@@ -111,7 +111,7 @@ class _ControlProcess:
         """Set when the server has gone."""
         self._orders: SimpleQueue[Go | Follow | None] = SimpleQueue()
         """What the main thread waits for between two loops; None: the server has gone."""
-        self._watched = Watched(present=False, every=False)
+        self._watched = Watched(rate=0.0, every=False)
         self._sender: TickSender | None = None
         self._program: LocalProgram | None = None
         self._main = threading.get_ident()

@@ -199,7 +199,7 @@ class RemoteControl(ControlLoop):
         drawn: DrawnMap | None = None
         while not ended.is_set():
             command = self.commands.get(LOOK_S)
-            present = Watched(self.audience.present, self.every.subscribed)
+            present = Watched(self.audience.rate, self.every.subscribed)
             if present != watched:
                 watched = present
                 self._process.send(present)

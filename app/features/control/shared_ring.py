@@ -29,17 +29,19 @@ class SharedRing:
         memory = mmap.mmap(-1, HEAD + size)
         self._freed = np.frombuffer(memory, np.uint64, 1)
         self._bytes = np.frombuffer(memory, np.uint8, offset=HEAD)
-        self._end = 0
+        self._begun = self._end = 0
 
     def put(self, array: NDArray[np.generic]) -> int | None:
         """Write an array that lies in one piece; return its position, None without room for it."""
-        size, freed = len(self._bytes), int(self._freed[0])
-        place = self._end % size
-        # If all is read, begin anew: these pages are in the processor's cache still.
-        over = freed == self._end or place + array.nbytes > size
-        begin = self._end + (size - place) % size if over else self._end
+        size = len(self._bytes)
+        freed = max(int(self._freed[0]), self._begun)
+        if freed == self._end:  # all is read: the first pages are in the processor's cache still
+            self._begun = self._end = freed = _rounded_up(freed, size)
+        begin = self._end
+        if begin % size + array.nbytes > size:
+            begin = _rounded_up(begin, size)
         end = begin + array.nbytes
-        if array.nbytes > size or end - freed > size:
+        if end - freed > size:
             return None
         place = begin % size
         self._bytes[place : place + array.nbytes] = array.reshape(-1).view(np.uint8)
@@ -54,3 +56,7 @@ class SharedRing:
     def free(self, position: int) -> None:
         """Tell the writer that all before a position is read."""
         self._freed[0] = position
+
+
+def _rounded_up(position: int, size: int) -> int:
+    return -(-position // size) * size
