@@ -1,8 +1,9 @@
 """Benchmark that counts instructions: what a second of a robot in bricks asks of its computer.
 
 Instructions do not depend on what else a machine does, and tell roughly what another one needs. A
-second has 50 ticks, 15 pictures and one page, which gets 30 ticks. Each part works on what was recorded of such seconds,
-once for a time and once for twice that time: the difference is the part's own. Valgrind counts.
+second has 50 ticks, 15 pictures and one page, which gets 30 ticks. Each part works on what was
+recorded of such seconds, once for a time and once for twice that time: the difference is the part's
+own. Valgrind counts.
 """
 
 from __future__ import annotations
@@ -17,8 +18,8 @@ from dataclasses import replace
 import numpy as np
 
 from app.engine.build import build_program
-from app.engine.plugging import plug_in
 from app.engine.mailboxes.rhythm import Rhythm
+from app.engine.plugging import plug_in
 from app.engine.program import LocalProgram
 from app.engine.rest import PAGE_HZ
 from app.engine.snapshot import Snapshot

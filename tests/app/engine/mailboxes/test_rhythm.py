@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import pytest
@@ -39,6 +40,6 @@ def test_no_more_are_chosen_than_the_rate_and_after_a_pause_none_waits(gaps, rat
         for end in range(begin, len(found)):
             most = (found[end] - found[begin] + 2 * EARLY_S) * rate + 2
             assert end - begin + 1 <= most
-    for last, now in zip(moments, moments[1:], strict=False):
+    for last, now in itertools.pairwise(moments):
         if now - last > 1 / rate:
             assert now in found
