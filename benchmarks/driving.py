@@ -43,13 +43,13 @@ def _measured(running: ServedProgram) -> dict[str, float]:
         time.sleep(WARM_UP_S)
         nobody = _share(running)
         with _meanwhile(_page(running.address)):
-            one, memory = _share(running), running.memory_mb()
+            alone, memory = _share(running), running.memory_mb()
         with _meanwhile([part for _ in range(PAGES) for part in _page(running.address)]):
             several = _share(running)
     return {
         "nobody [%]": nobody,
-        "one page [%]": one,
-        "each further page [%]": (several - one) / (PAGES - 1),
+        "one page [%]": alone,
+        "each further page [%]": (several - alone) / (PAGES - 1),
         "memory with one page [MB]": memory,
     }
 

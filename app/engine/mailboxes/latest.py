@@ -76,10 +76,10 @@ class LatestReader(Generic[T]):
             if result is None:
                 await self._waiting.wait()
                 continue
-            now = time.monotonic()
-            wait = self._rhythm.wait(now)
+            clock = time.monotonic()
+            wait = self._rhythm.wait(clock)
             if wait <= 0:
-                self._rhythm.choose(now, self._rate)
+                self._rhythm.choose(clock, self._rate)
                 self._count, value = result
                 return value
             # A newer one may come first; but the last of all must be sent, too.

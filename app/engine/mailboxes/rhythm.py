@@ -15,11 +15,11 @@ class Rhythm:
     def __init__(self) -> None:
         self._due = -math.inf
 
-    def wait(self, now: float) -> float:
-        """Return the time until the next one is due [s]; zero or less: it is due."""
-        return self._due - EARLY_S - now
+    def wait(self, stamp: float) -> float:
+        """Return the time from a moment until the next is due [s]; zero or less: it is due."""
+        return self._due - EARLY_S - stamp
 
-    def choose(self, now: float, rate: float) -> None:
-        """Choose this moment, due or not; the next is due by the rate [1/s], which may be inf."""
+    def choose(self, stamp: float, rate: float) -> None:
+        """Choose a moment, due or not; the next is due by the rate [1/s], which may be inf."""
         period = 1 / rate
-        self._due = min(max(self._due, now - period), now + EARLY_S) + period
+        self._due = min(max(self._due, stamp - period), stamp + EARLY_S) + period

@@ -175,8 +175,8 @@ class _Reducers(dict[type, Reducer]):
     def __missing__(self, kind: type) -> Reducer:
         if issubclass(kind, type):
             raise KeyError(kind)  # a class: it is pickled by its name
-        self[kind] = found = self._find(kind)
-        return found
+        self[kind] = reducer = self._find(kind)
+        return reducer
 
 
 def _alone(kind: type) -> Reducer:
@@ -234,7 +234,7 @@ class PartsReader:
         self._ring = ring
         self._read = 0
         """Up to where the ring is read."""
-        self._found: dict[tuple[str, str], Any] = {
+        self._by_name: dict[tuple[str, str], Any] = {
             (__name__, _part.__name__): self._part,
             (__name__, _array_part.__name__): self._array_part,
         }
@@ -253,7 +253,7 @@ class PartsReader:
     def _unpickled(self, written: bytes, around: set[Number]) -> Any:
         outside, self._around = self._around, around
         try:
-            return _Unpickler(io.BytesIO(written), self._found).load()
+            return _Unpickler(io.BytesIO(written), self._by_name).load()
         finally:
             self._around = outside
 
@@ -283,13 +283,13 @@ class PartsReader:
 
 
 class _Unpickler(pickle.Unpickler):
-    def __init__(self, file: io.BytesIO, found: dict[tuple[str, str], Any]) -> None:
+    def __init__(self, file: io.BytesIO, by_name: dict[tuple[str, str], Any]) -> None:
         super().__init__(file)
-        self._found = found
+        self._by_name = by_name
 
     def find_class(self, module: str, name: str) -> Any:
         """Return a class or a function by its name, looked up once."""
-        found = self._found.get((module, name))
-        if found is None:
-            found = self._found[module, name] = super().find_class(module, name)
-        return found
+        known = self._by_name.get((module, name))
+        if known is None:
+            known = self._by_name[module, name] = super().find_class(module, name)
+        return known

@@ -63,10 +63,10 @@ class TickSender:
 
     def _announce(self, newest: Snapshot) -> None:
         """Have the newest snapshot sent, if somebody waits for it; called by the loop."""
-        watched, now = self._watched(), newest.published
+        watched, stamp = self._watched(), newest.published
         pictured = newest.reading.frame is not None
-        if watched.rate > 0 and (pictured or self._rhythm.wait(now) <= 0):
-            self._rhythm.choose(now, watched.rate)
+        if watched.rate > 0 and (pictured or self._rhythm.wait(stamp) <= 0):
+            self._rhythm.choose(stamp, watched.rate)
             self._woken.set()
         elif watched.every:
             self._woken.set()
