@@ -197,7 +197,7 @@ def _usual(value: Any) -> Any:
 
 def _made(kind: type, *values: object) -> Any:
     """Return an object of a frozen dataclass with slots."""
-    made = object.__new__(kind)
+    made: object = object.__new__(kind)
     for put, value in zip(_setters(kind), values, strict=True):
         put(made, value)
     return made
@@ -276,8 +276,10 @@ class PartsReader:
         if isinstance(content, int):
             assert self._ring is not None  # the writer has put it there
             size = math.prod(shape) * np.dtype(form).itemsize
-            content, self._read = self._ring.take(content, size), content + size
-        value = _array(content, form, shape)
+            value = _array(self._ring.take(content, size), form, shape)
+            self._read = content + size
+        else:
+            value = _array(content, form, shape)
         self._table.parts[number] = _Part(value)
         return value
 
