@@ -49,7 +49,7 @@ def started(config: Config, without: Sequence[str], *, forks: bool = False) -> C
     ours, theirs = context.Pipe()
     ring = SharedRing() if forks else None
     work = _forked if forks else control
-    arguments = (theirs, config, without, ring)
+    arguments: tuple[Any, ...] = (theirs, config, without, ring)
     arguments = (ours, *arguments) if forks else arguments
     process = context.Process(target=work, args=arguments, name="control", daemon=True)
     with uninterrupted(), children_deaf_to_ctrl_c():
