@@ -11,12 +11,13 @@ import numpy as np
 
 from robot.geometry import Array, Pose2, Twist2, wrap_angle
 from robot.localization.estimate import Integrity, State
+from robot.navigation.curves import ClosedCurve, Lap, lap_of
 from robot.navigation.free_space import FreeSpace
 from robot.navigation.goal import Goal
 from robot.navigation.legs import WayLeg, curve, straight, turn
 from robot.navigation.planning import NoWayError, Planner, plan
 from robot.navigation.settings import NavigationSettings
-from robot.navigation.timed_way import Limits, TimedWay, timed
+from robot.navigation.timed_way import Limits, TimedWay, timed, timed_loop
 from robot.navigation.tracker import follow
 
 NavigationState = Literal["planning", "driving", "waiting", "arrived", "canceled", "failed"]
@@ -54,7 +55,11 @@ UNSURE = {
 }
 
 
-Job = Callable[[], tuple[WayLeg, ...]]
+ON_CURVE = 0.02
+"""A robot that is farther from a closed curve first drives to it as to a goal [m; rad / 5]."""
+
+Plan = tuple[WayLeg, ...] | Lap
+Job = Callable[[], Plan]
 """Plans; raises a ``NoWayError``."""
 
 
@@ -80,6 +85,8 @@ class NavigationStatus:
     """(n, 2) the way to this goal [m]."""
     planned: float = 0.0
     """When that way was taken [s]: another one has another time."""
+    on_curve: bool = False
+    """Whether it drives along a closed curve, or to it; then there are no goals."""
 
     @property
     def active(self) -> bool:
@@ -113,25 +120,30 @@ class Navigator:
         radius: float,
         name: str | int | None = None,
         repeat: bool = False,
+        curve: ClosedCurve | None = None,
         planner: Planner = plan,
     ) -> None:
         """Begin a journey.
 
         Args:
-            goals: one or more.
+            goals: one or more; none with a curve.
             settings: tolerances and speeds.
             limits: of the drive.
             radius: of the circle in which the robot turns on the spot [m].
             name: by which its sender knows the journey.
             repeat: whether it begins again after the last goal.
+            curve: is driven lap after lap, until somebody ends it.
             planner: finds ways.
         """
-        self.status = NavigationStatus("planning", goals, name)
+        self.status = NavigationStatus("planning", goals, name, on_curve=curve is not None)
         self._settings = settings
         self._limits = limits
         self._turning_room = radius + NEAREST_SEEN
         self._repeat = repeat
         self._planner = planner
+        self._curve = curve
+        self._lap: Lap | None = None
+        """Of the curve, as it lies in the map; None before it is known."""
         self._trajectory: TimedWay | None = None
         self._clock = 0.0
         """How far the trajectory is driven [s]."""
@@ -151,6 +163,8 @@ class Navigator:
         """Whether it shall turn around at the goal, and whether it has."""
         self._reached = False
         """Whether the place of the goal was reached: then only the heading is left."""
+        self._left_at: Pose2 | None = None
+        """Where the robot left its curve; there it goes on."""
 
     def job(self, free: Callable[[], FreeSpace], tick: Sensed) -> Job | None:
         """Return work for another thread, if there is some: its result belongs to ``take``."""
@@ -159,6 +173,8 @@ class Navigator:
             or not self._stands(tick)
         ):  # fmt: skip
             return None
+        if self._curve is not None:
+            return self._curve_job(self._curve, free, tick.pose)
         start, goal, planner = tick.pose, self._goal, self._planner
         reached, settings, seeks = self._reached, self._settings, self._seeks
         self._seeks = False
@@ -179,7 +195,31 @@ class Navigator:
 
         return work
 
-    def take(self, legs: tuple[WayLeg, ...] | NoWayError) -> None:
+    def _curve_job(
+        self, wanted: ClosedCurve, free: Callable[[], FreeSpace], start: Pose2
+    ) -> Job | None:
+        """Return the work of a curve: a way to it, or the lap if the robot stands on it."""
+        lap = self._lap or lap_of(wanted, wanted.start or start, self._limits)
+        self._lap = lap = lap.begun_near(self._left_at or start)
+        planner, begin = self._planner, lap.begin
+        self._asked = start
+
+        def work() -> Plan:
+            space = free()
+            if not space.fits(lap.poses):
+                raise NoWayError(
+                    "along the curve the robot would touch a wall, or be nearer to it than "
+                    f"{1000 * space.settings.clearance:.0f} mm; valid is a smaller one, or "
+                    "another place to begin"
+                )
+            turned = abs(begin.turn_to(start)) / 5
+            if max(begin.distance_to(start), turned) <= ON_CURVE:
+                return lap
+            return planner(space, start, begin)
+
+        return work
+
+    def take(self, legs: Plan | NoWayError) -> None:
         """Drive along legs that were planned, or stand if there is no way."""
         self._asked = None
         if not self.status.active:
@@ -193,9 +233,12 @@ class Navigator:
             self._trajectory = None
             self._next_goal()
             return
-        self._trajectory = timed(legs, self._limits)
+        if isinstance(legs, Lap):
+            self._trajectory = timed_loop(legs.legs, self._limits)
+        else:
+            self._trajectory = timed(legs, self._limits)
         self.status = replace(
-            self.status, path=self._trajectory.poses[:, :2].copy(), planned=self._stamp or 0.0
+            self.status, path=self._trajectory.lap_points, planned=self._stamp or 0.0
         )
         self._show("driving")
 
@@ -240,6 +283,9 @@ class Navigator:
 
     def plan_anew(self) -> None:
         """Stand, and plan another way from there."""
+        trajectory = self._trajectory
+        if trajectory is not None and trajectory.loop is not None:
+            self._left_at = trajectory.at(self._clock).pose
         self._trajectory = None
         self._stands_since = None
         self._show("planning")
@@ -330,6 +376,10 @@ class Navigator:
 
     def _judge(self, pose: Pose2, goal: Pose2, radius: float) -> None:
         settings = self._settings
+        if self._curve is not None:  # it stands where the curve begins, or beside it
+            self._ended = None
+            self.plan_anew()
+            return
         if radius > VAGUE_M and not self._sought:
             self._reached, self._ended = True, None
             self._seeks = self._sought = True
@@ -379,7 +429,7 @@ class Navigator:
         left_m = left_s = 0.0
         if trajectory is not None:
             left_m = trajectory.left_at(self._clock)
-            left_s = trajectory.duration - self._clock
+            left_s = trajectory.time_left(self._clock)
         self.status = replace(
             self.status,
             state=state,

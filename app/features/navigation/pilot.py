@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from app.engine.controls import Controls
-from app.features.navigation.journey import Journey
+from app.features.navigation.journey import Journey, curve_of
 from app.features.navigation.messages import CancelCommand
 from app.languages.marking import phrase
 from app.messages.commands import Command
@@ -20,8 +20,7 @@ from robot.fields.field import Field
 from robot.geometry import Twist2
 from robot.interface import Reading
 from robot.navigation.free_space import FreeSpace
-from robot.navigation.legs import WayLeg
-from robot.navigation.navigator import NavigationStatus, Navigator, Sensed
+from robot.navigation.navigator import NavigationStatus, Navigator, Plan, Sensed
 from robot.navigation.planning import NoWayError
 from robot.navigation.settings import NavigationSettings
 from robot.navigation.timed_way import Limits
@@ -44,7 +43,7 @@ class Pilot:
         self._field = field
         self._journey: Journey | None = None
         self._free: FreeSpace | None = None
-        self._future: Future[tuple[WayLeg, ...]] | None = None
+        self._future: Future[Plan] | None = None
         self._due = 0.0
         self._stamp = stamp
         self._canceled = False
@@ -108,11 +107,20 @@ class Pilot:
             self.shown = before.helm.navigator.status
             self._canceled = journey is None and not before.helm.canceled
         if journey is not None:
-            limits = self._limits(controls.driving.kinematics)
-            goals, repeat = journey.goals, journey.repeat
+            limits, curve = self._limits(controls.driving.kinematics), None
+            if journey.curve is not None:
+                eight = self._config.figure_eight
+                curve = curve_of(journey.curve, eight)
+                limits = limits.along_curve(journey.curve.speed or eight.speed, self._config.drive)
             radius = float(np.hypot(*controls.spec.outline.T).max())
             navigator = Navigator(
-                goals, self.settings, limits, radius=radius, name=journey.name, repeat=repeat
+                journey.goals,
+                self.settings,
+                limits,
+                radius=radius,
+                name=journey.name,
+                repeat=journey.repeat,
+                curve=curve,
             )
             journey.helm.navigator = navigator
             self.shown = navigator.status
