@@ -80,8 +80,8 @@ class Lap:
             return Lap((*self.legs[first:], *self.legs[:first]))
         poses = self.legs[0].poses
         first = int(np.argmin(self._away(poses[:-1], pose)))
-        around = poses[-1, 2] - poses[0, 2]
-        later = poses[1 : first + 1] + (0.0, 0.0, around)
+        around = np.array([0.0, 0.0, poses[-1, 2] - poses[0, 2]])
+        later = poses[1 : first + 1] + around
         return Lap((WayLeg(np.concatenate([poses[first:], later])),))
 
     @staticmethod
@@ -141,8 +141,8 @@ def _eased(bend: Array, length: float, radius: float, limits: Limits) -> Array:
 def _integrated(bend: Array, length: float, heading: float) -> Array:
     """Return poses (n + 1, 3) along n equal steps of a length [m] with curvatures (n,) [1/m].
 
-    They begin at (0, 0) with a heading [rad], and end there: what easing the curvature leaves open, some hundredths
-    of a millimetre, is spread over the lap.
+    They begin at (0, 0) with a heading [rad], and end there: what easing the curvature leaves open,
+    some hundredths of a millimetre, is spread over the lap.
     """
     step = length / len(bend)
     # Curvatures belong to the middles of steps, and a step is the chord of an arc.

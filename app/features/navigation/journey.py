@@ -85,8 +85,7 @@ def curve_of(message: CurveMessage, eight: FigureEight) -> ClosedCurve:
         raise CommandError("the curve's start has no theta; valid is a number of radians")
     pose = None if start is None else Pose2(start.x, start.y, start.theta or 0.0)
     try:
-        points = tuple(message.points)
-        return ClosedCurve(message.shape, message.size or eight.radius, points, pose)
+        return ClosedCurve(message.shape, message.size or eight.radius, message.points, pose)
     except CurveError as error:
         raise CommandError(f"{error}") from error
 

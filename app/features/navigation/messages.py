@@ -35,7 +35,7 @@ class CurveMessage(Message):
     speed: Annotated[float, Field(ge=0.01, le=2)] | None = None
     """Speed along the curve where nothing asks for less [m/s]; null is the figure-eight's in the
     settings."""
-    points: Annotated[list[tuple[Metres, Metres]], Field(max_length=MOST_POINTS)] = []
+    points: Annotated[tuple[tuple[Metres, Metres], ...], Field(max_length=MOST_POINTS)] = ()
     """x, y [m] in the map, of the shape points: the curve leads smoothly through them, and from the
     last one back to the first."""
     start: GoalMessage | None = None
