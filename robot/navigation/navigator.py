@@ -9,8 +9,10 @@ from typing import Literal
 
 import numpy as np
 
+from robot.errors import BrickPoseError
 from robot.geometry import Array, Pose2, Twist2, wrap_angle
 from robot.localization.estimate import Integrity, State
+from robot.navigation.controllers import Controller, Tracker, Tracking
 from robot.navigation.curves import ClosedCurve, Lap, lap_of
 from robot.navigation.free_space import FreeSpace
 from robot.navigation.goal import Goal
@@ -27,8 +29,8 @@ SETTLE_S = 0.4
 """The robot stands so long before its end is judged: the filter sees it at rest [s]."""
 GOAL_STAYS = 0.015
 """A place that was reached counts so until the robot is farther away from it [m]."""
-MOST_CORRECTIONS = 3
-"""So often an end that is too far from its goal is driven to again."""
+MOST_CORRECTIONS = 6
+"""So often an end that is too far from its goal is driven to again; then the journey has failed."""
 CORRECTION_M = 0.08
 """For that the robot goes back so far, and comes again [m]."""
 SIDESTEPS = 25
@@ -55,6 +57,11 @@ UNSURE = {
 }
 
 
+SEARCHED_S = 1.0
+"""The nearest place on a leg is looked for so far ahead [s]."""
+LEG_ENDS_M, LEG_ENDS_S = 0.006, 0.5
+"""A controller that does not keep times has come to the end of its leg so near to it [m], or if it
+stands so shortly before it [s]; the rest is driven by times."""
 ON_CURVE = 0.02
 """A robot that is farther from a closed curve first drives to it as to a goal [m; rad / 5]."""
 
@@ -122,6 +129,7 @@ class Navigator:
         repeat: bool = False,
         curve: ClosedCurve | None = None,
         planner: Planner = plan,
+        controller: Controller | None = None,
     ) -> None:
         """Begin a journey.
 
@@ -134,6 +142,7 @@ class Navigator:
             repeat: whether it begins again after the last goal.
             curve: is driven lap after lap, until somebody ends it.
             planner: finds ways.
+            controller: drives along them; none is the tracker.
         """
         self.status = NavigationStatus("planning", goals, name, on_curve=curve is not None)
         self._settings = settings
@@ -141,6 +150,7 @@ class Navigator:
         self._turning_room = radius + NEAREST_SEEN
         self._repeat = repeat
         self._planner = planner
+        self._controller = controller or Tracker()
         self._curve = curve
         self._lap: Lap | None = None
         """Of the curve, as it lies in the map; None before it is known."""
@@ -219,12 +229,12 @@ class Navigator:
 
         return work
 
-    def take(self, legs: Plan | NoWayError) -> None:
+    def take(self, legs: Plan | BrickPoseError) -> None:
         """Drive along legs that were planned, or stand if there is no way."""
         self._asked = None
         if not self.status.active:
             return
-        if isinstance(legs, NoWayError):
+        if isinstance(legs, BrickPoseError):
             self._end("failed", str(legs))
             return
         self._clock = 0.0
@@ -262,13 +272,51 @@ class Navigator:
             return Twist2()
         if self._clock >= trajectory.duration and self._settled(tick, pose, trajectory):
             return Twist2()
+        return self._drive(tick, pose, trajectory, passed)
+
+    def _drive(self, tick: Sensed, pose: Pose2, trajectory: TimedWay, passed: float) -> Twist2:
+        """Go on along the trajectory."""
         pace = self._pace(tick.integrity)
-        self._clock = min(self._clock + pace * passed, trajectory.duration)
-        wanted = trajectory.at(self._clock)
-        ahead = trajectory.at(self._clock + pace * self._settings.command_lag).twist
+        low, high = trajectory.leg_at(self._clock)
+        stays = trajectory.is_turn(low, high)
+        controller = self._controller
+        clock = min(self._clock + pace * passed, trajectory.duration)
+        if not controller.by_time and not stays and self._clock < trajectory.duration:
+            clock = self._clock_by_place(tick, pose, trajectory, clock, high)
+        self._clock = clock
+        wanted = trajectory.at(clock)
+        ahead = trajectory.at(clock + pace * self._settings.command_lag).twist
         self._show("driving", target=wanted.pose)
         paced = Twist2(pace * ahead.v, pace * ahead.omega)
-        return follow(pose, wanted, paced, self._settings)
+        over = clock >= trajectory.duration
+        if stays or (over and not controller.by_time):
+            return follow(pose, wanted, paced, self._settings)
+        now = Tracking(
+            pose,
+            wanted,
+            paced,
+            trajectory.ahead_of(clock, high),
+            trajectory.is_backwards(low, high),
+            tick.twist,
+            pace,
+            self._settings,
+        )
+        try:
+            return controller.command(now)
+        except BrickPoseError as error:
+            self._show("waiting", reason=str(error))
+            return Twist2()
+
+    def _clock_by_place(
+        self, tick: Sensed, pose: Pose2, trajectory: TimedWay, latest: float, high: int
+    ) -> float:
+        """Return the time of the nearest place on the leg; at its end, time goes on by itself."""
+        end = float(trajectory.times[high])
+        nearest = trajectory.nearest_time(pose, self._clock, min(self._clock + SEARCHED_S, end))
+        left = trajectory.at(end).pose.distance_to(pose)
+        if left < LEG_ENDS_M or (end - nearest < LEG_ENDS_S and self._stands(tick)):
+            return latest if latest > end else end
+        return nearest
 
     def hold(self, tick: Sensed) -> None:
         """Stand in this tick, since nobody renews the journey."""
@@ -392,10 +440,12 @@ class Navigator:
         turned = (
             any_heading or abs(wrap_angle(goal.theta - pose.theta)) <= settings.yaw_goal_tolerance
         )
-        if (distance <= settings.xy_goal_tolerance and turned) or (
-            self._corrections >= MOST_CORRECTIONS
-        ):
+        if distance <= settings.xy_goal_tolerance and turned:
             self._next_goal()
+            return
+        if self._corrections >= MOST_CORRECTIONS:
+            turn_off = 0.0 if any_heading else abs(wrap_angle(goal.theta - pose.theta))
+            self._end("failed", _miss(distance, turn_off, settings))
             return
         self._corrections += 1
         self.plan_anew()
@@ -438,6 +488,16 @@ class Navigator:
             remaining_m=left_m,
             remaining_s=left_s,
         )
+
+
+def _miss(distance: float, turn_off: float, settings: NavigationSettings) -> str:
+    """Return in words how far from its goal the robot stands after all corrections."""
+    return (
+        f"it stands {1000 * distance:.1f} mm and {math.degrees(turn_off):.1f} degrees beside the "
+        f"goal and comes no nearer; valid is a xy_goal_tolerance above "
+        f"{1000 * settings.xy_goal_tolerance:.1f} mm, or a yaw_goal_tolerance above "
+        f"{math.degrees(settings.yaw_goal_tolerance):.1f} degrees"
+    )
 
 
 def corrected(

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robot.driving.drive_controller import DriveSettings
 from robot.geometry import Array, Pose2, Twist2
@@ -73,6 +75,52 @@ class TimedWay:
         v, omega = self.twists[place], self.twists[place + 1]
         twist = v + share * (omega - v)
         return Wanted(Pose2(x, y, theta), Twist2(float(twist[0]), float(twist[1])))
+
+    def leg_at(self, time: float) -> tuple[int, int]:
+        """Return the first and the last point of the leg at a time: between them it never stands.
+
+        Points between which only the heading changes are a leg, too.
+        """
+        place, _ = self._place(time)
+        rests = self._rests
+        low = int(np.searchsorted(rests, place, side="right")) - 1
+        return (int(rests[low]) + 1 if low >= 0 else 0), int(rests[low + 1])
+
+    @cached_property
+    def _rests(self) -> NDArray[np.intp]:
+        """The last point of each leg."""
+        gaps = np.diff(self.times) >= REST_S - 1e-6
+        return np.append(np.flatnonzero(gaps), len(self.times) - 1)
+
+    def is_turn(self, low: int, high: int) -> bool:
+        """Whether the robot turns on the spot between two points."""
+        return bool((self.poses[low : high + 1, :2] == self.poses[low, :2]).all())
+
+    def is_backwards(self, low: int, high: int) -> bool:
+        """Whether the robot drives backwards between two points of a leg."""
+        return bool(self.twists[low : high + 1, 0].sum() < 0)
+
+    def ahead_of(self, time: float, last: int) -> Array:
+        """Return the poses (n, 3) from a time [s] on to the last point of a leg."""
+        place, _ = self._place(time)
+        return self.poses[place : max(last, place) + 1]
+
+    def nearest_time(self, pose: Pose2, since: float, until: float) -> float:
+        """Return when between two times [s] the way is nearest to a pose."""
+        low, _ = self._place(since)
+        high, _ = self._place(until)
+        poses = self.poses[low : high + 2]
+        if len(poses) < 2:
+            return since
+        step = np.diff(poses[:, :2], axis=0)
+        length = np.maximum((step**2).sum(axis=1), 1e-18)
+        beside = np.array([pose.x, pose.y]) - poses[:-1, :2]
+        share = np.clip((beside * step).sum(axis=1) / length, 0.0, 1.0)
+        away = np.hypot(*(beside - share[:, None] * step).T)
+        best = int(np.argmin(away))
+        begin, end = self.times[low + best], self.times[low + best + 1]
+        shifted = since - self._wrapped(since)
+        return max(float(begin + share[best] * (end - begin)) + shifted, since)
 
     def left_at(self, time: float) -> float:
         """Return the way that is left at a time [m], in a loop of the lap."""

@@ -26,6 +26,7 @@ def _begin(request: Request[NavigateCommand]) -> None:
         request.pass_on()
         return
     keeper = request.part(KEEPER)
+    keeper.require_known(command)
     keeper.require_free(command.poses or ())
     request.pass_on()
     keeper.keep(None if command.renewed else request.driver, request.arbiter)

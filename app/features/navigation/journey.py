@@ -51,6 +51,9 @@ class Journey(Programme):
     repeat: bool = False
     curve: CurveMessage | None = None
     """What it drives lap after lap, in place of goals."""
+    planner: str | None = None
+    controller: str | None = None
+    """By name; None are those of the settings."""
     began: float
     """Stamp of its command [s]."""
     helm: Helm = field(repr=False)
@@ -67,6 +70,8 @@ class Journey(Programme):
             name=command.id,
             repeat=command.repeat,
             curve=command.curve,
+            planner=command.planner,
+            controller=command.controller,
             began=stamp,
             helm=helm,
         )

@@ -56,6 +56,10 @@ class NavigateCommand(CommandMessage):
     """The curve, in place of goals."""
     repeat: bool = False
     """Whether to begin again after the last goal."""
+    planner: Annotated[str, Field(max_length=200)] | None = None
+    """By name; null is that of the settings."""
+    controller: Annotated[str, Field(max_length=200)] | None = None
+    """By name; null is that of the settings."""
     renewed: bool = False
     """Whether the sender renews it itself, as ``drive``; the robot stands when that ends."""
 

@@ -17,7 +17,6 @@ from app.features.navigation.messages import (
 from robot.errors import CommandError
 from robot.geometry import Pose2
 
-
 ORIGIN = GoalMessage(x=0.0, y=0.0, theta=0.0)
 
 

@@ -148,6 +148,8 @@ def _config(given: dict[str, Any]) -> Config:
 
 def _line(group: dict[str, Any]) -> str:
     about = f"{group['map']}, {group['condition']}, {group['trial']}: "
+    if group["least_room_m"] is None:
+        return f"{about}no goal was found to which there is a way"
     tape = f"over tape {group['over_tape']}, least room {1000 * group['least_room_m']:.1f} mm"
     if "rms_m" in group:
         left = group["left_after_median_s"]

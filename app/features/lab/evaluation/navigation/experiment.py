@@ -155,7 +155,7 @@ def summary_of(rows: Iterable[Row]) -> list[dict[str, Any]]:
 def _summary(name: str, condition: str, trial: str, rows: list[Row]) -> dict[str, Any]:
     about: dict[str, Any] = {"map": name, "condition": condition, "trial": trial}
     about["robots"] = len({row["seed"] for row in rows})
-    rooms = [row["room_m"] for row in rows if "room_m" in row]
+    rooms = [row["room_m"] for row in rows if row.get("room_m") is not None]
     about |= {
         "over_tape": sum(room <= 0 for room in rooms),
         "least_room_m": min(rooms, default=None),

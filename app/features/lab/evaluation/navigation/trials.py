@@ -100,7 +100,12 @@ class NavigationTrial:
         start = self.truth
         goal, legs = self._goal(start)
         if goal is None:
-            return {"number": number, "state": "no goal", "reason": "none was found that is free"}
+            return {
+                "number": number,
+                "state": "no goal",
+                "reason": "none was found",
+                "room_m": None,
+            }
         fastest = self._fastest(legs)
         moved = self._moves_at(fastest)
         self._room = math.inf
@@ -121,6 +126,7 @@ class NavigationTrial:
             "turn_rad": abs(truth.turn_to(goal)),
             "claimed_m": None if pose is None else pose.distance_to(goal),
             "estimate_m": None if pose is None else pose.distance_to(truth),
+            "bound_m": _finite(self.now.integrity.radius),
             "room_m": self._room,
             "moved": self._was_moved,
         }
@@ -263,6 +269,10 @@ def _all_of(drive: DriveSettings, settings: NavigationSettings, rim: float, trac
 def _from_circles(place: Array, radius: float) -> float:
     """Return how far a place (1, 2) is from the two circles of a radius that touch at (0, 0)."""
     return min(abs(math.hypot(place[0, 0], place[0, 1] - y) - radius) for y in (radius, -radius))
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None
 
 
 @dataclass(frozen=True)
