@@ -731,6 +731,10 @@ export interface NavigateCommand {
   curve?: CurveMessage | null;
   /** Whether to begin again after the last goal. */
   repeat?: boolean;
+  /** By name; null is that of the settings. */
+  planner?: string | null;
+  /** By name; null is that of the settings. */
+  controller?: string | null;
   /** Whether the sender renews it itself, as ``drive``; the robot stands when that ends. */
   renewed?: boolean;
 }
