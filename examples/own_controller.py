@@ -12,11 +12,11 @@ def corners(space, start, goal):
     return [(start.x, start.y), (goal.x, start.y), (goal.x, goal.y)]
 
 
-def command(now):
+def command(tracking):
     """Return v [m/s] and omega [rad/s]: as wanted now, and back to the path."""
-    error = now.pose.inverse() @ now.wanted.pose
-    v = now.ahead.v * math.cos(error.theta) + 2.0 * error.x
-    return v, now.ahead.omega + 4.0 * error.theta + 300.0 * abs(now.ahead.v) * error.y
+    error = tracking.pose.inverse() @ tracking.wanted.pose
+    v = tracking.ahead.v * math.cos(error.theta) + 2.0 * error.x
+    return v, tracking.ahead.omega + 4.0 * error.theta + 300.0 * abs(tracking.ahead.v) * error.y
 
 
 if __name__ == "__main__":

@@ -52,7 +52,7 @@ class Controller(Protocol):
     by_time: bool
     """Whether it keeps the times of the way. Else the time is that of the nearest pose."""
 
-    def command(self, now: Tracking) -> Twist2:
+    def command(self, tracking: Tracking) -> Twist2:
         """Return the twist to command."""
         ...
 
@@ -62,9 +62,9 @@ class Tracker:
 
     by_time = True
 
-    def command(self, now: Tracking) -> Twist2:
+    def command(self, tracking: Tracking) -> Twist2:
         """Return the twist to command."""
-        return follow(now.pose, now.wanted, now.ahead, now.settings)
+        return follow(tracking.pose, tracking.wanted, tracking.ahead, tracking.settings)
 
 
 class RegulatedPurePursuit:
@@ -76,33 +76,33 @@ class RegulatedPurePursuit:
 
     by_time = False
 
-    def command(self, now: Tracking) -> Twist2:
+    def command(self, tracking: Tracking) -> Twist2:
         """Return the twist to command."""
-        settings = now.settings
-        speed = settings.desired_linear_vel * now.pace
-        point = self._carrot(now, abs(now.twist.v))
+        settings = tracking.settings
+        speed = settings.desired_linear_vel * tracking.pace
+        point = self._carrot(tracking, abs(tracking.twist.v))
         apart = point.x**2 + point.y**2
         bend = 0.0 if apart < 1e-9 else 2 * point.y / apart
         radius = math.inf if bend == 0 else 1 / abs(bend)
         if radius < settings.regulated_linear_scaling_min_radius:
             slowed = speed * radius / settings.regulated_linear_scaling_min_radius
             speed = min(speed, max(slowed, settings.regulated_linear_scaling_min_speed))
-        left = now.left
+        left = tracking.left
         if left < settings.approach_velocity_scaling_dist:
             share = left / settings.approach_velocity_scaling_dist
             slowest = settings.min_approach_linear_velocity
             speed = min(speed, max(speed * share, slowest))
-        speed *= -1.0 if now.backwards else 1.0
+        speed *= -1.0 if tracking.backwards else 1.0
         return Twist2(speed, speed * bend)
 
-    def _carrot(self, now: Tracking, speed: float) -> Pose2:
+    def _carrot(self, tracking: Tracking, speed: float) -> Pose2:
         """Return the point to drive to, seen from the robot."""
-        settings = now.settings
+        settings = tracking.settings
         reach = min(
             max(speed * settings.lookahead_time, settings.min_lookahead_dist),
             settings.max_lookahead_dist,
         )
-        points = now.pose.inverse().apply(now.path[:, :2])
+        points = tracking.pose.inverse().apply(tracking.path[:, :2])
         away = np.hypot(*points.T)
         within = np.flatnonzero(away > reach)
         last = int(within[0]) if len(within) else len(points) - 1
@@ -113,8 +113,8 @@ class RegulatedPurePursuit:
         x, y = points[last].tolist()
         if last == len(points) - 1 and away[last] < reach:
             # Beyond the end it goes on straight: a point beside the robot would turn it about.
-            theta = float(now.path[-1, 2]) - now.pose.theta
-            beyond = (reach - float(away[last])) * (-1.0 if now.backwards else 1.0)
+            theta = float(tracking.path[-1, 2]) - tracking.pose.theta
+            beyond = (reach - float(away[last])) * (-1.0 if tracking.backwards else 1.0)
             x, y = x + beyond * math.cos(theta), y + beyond * math.sin(theta)
         return Pose2(x, y)
 

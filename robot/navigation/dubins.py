@@ -34,11 +34,12 @@ def shortest_arcs(start: Array, goal: Array, radius: float) -> Array:
         first = 1.0 if word % 2 == 0 else -1.0
         last = first if word < 2 else -first
         # The middles of the circles, to the side of both poses.
-        ax = start[0] - first * radius * math.sin(start[2])
-        ay = start[1] + first * radius * math.cos(start[2])
-        bx = goal[0] - last * radius * math.sin(goal[2])
-        by = goal[1] + last * radius * math.cos(goal[2])
-        apart, towards = math.hypot(bx - ax, by - ay), math.atan2(by - ay, bx - ax)
+        from_x = start[0] - first * radius * math.sin(start[2])
+        from_y = start[1] + first * radius * math.cos(start[2])
+        to_x = goal[0] - last * radius * math.sin(goal[2])
+        to_y = goal[1] + last * radius * math.cos(goal[2])
+        along_x, along_y = to_x - from_x, to_y - from_y
+        apart, towards = math.hypot(along_x, along_y), math.atan2(along_y, along_x)
         if first == last:
             straight, heading = apart, towards
         else:

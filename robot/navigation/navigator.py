@@ -291,7 +291,7 @@ class Navigator:
         over = clock >= trajectory.duration
         if stays or (over and not controller.by_time):
             return follow(pose, wanted, paced, self._settings)
-        now = Tracking(
+        tracking = Tracking(
             pose,
             wanted,
             paced,
@@ -302,7 +302,7 @@ class Navigator:
             self._settings,
         )
         try:
-            return controller.command(now)
+            return controller.command(tracking)
         except BrickPoseError as error:
             self._show("waiting", reason=str(error))
             return Twist2()

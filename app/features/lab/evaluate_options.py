@@ -317,12 +317,12 @@ def _own_options(given: dict[str, Any]) -> dict[str, Any]:
     Raises:
         SettingError: an option does not go with it; names the option and the valid ones.
     """
-    what = given["what"]
-    valid = OWN_OPTIONS[what]
+    kind = given["what"]
+    valid = OWN_OPTIONS[kind]
     for name in given:
         if name not in (*valid, "out", "what", *NO_OPTIONS):
             options = ", ".join(_option(item) for item in ("out", *valid))
-            raise SettingError(f"{_option(name)} does not go with {what}; valid are {options}")
+            raise SettingError(f"{_option(name)} does not go with {kind}; valid are {options}")
     for name in ("map", "condition", "start", "trial"):
         if isinstance(given.get(name), str):
             given = given | {name: [given[name]]}

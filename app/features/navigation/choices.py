@@ -42,7 +42,7 @@ class Choices:
         Raises:
             CommandError: lists the valid ones.
         """
-        for what, name, chosen, known in (
+        for part, name, chosen, known in (
             ("planner", planner, self._settings.planner, planners()),
             ("controller", controller, self._settings.controller, controllers()),
         ):
@@ -51,7 +51,7 @@ class Choices:
             if wanted not in known and (wanted != chosen or ".py:" not in chosen):
                 own = () if chosen in known else (chosen,)
                 valid = ", ".join([*known, *own])
-                raise CommandError(f"there is no {what} {wanted}; valid are {valid}")
+                raise CommandError(f"there is no {part} {wanted}; valid are {valid}")
 
     def planner(self, name: str | None) -> PlannerKind:
         """Return a planner by its name; None is that of the settings.

@@ -77,10 +77,10 @@ class _OwnFunction:
         return None if self._function is None else line_of(self._function, self._file.path)
 
     def _refresh(self) -> None:
-        now = time.monotonic()
-        if now - self._looked < LOOKS_EVERY_S:
+        stamp = time.monotonic()
+        if stamp - self._looked < LOOKS_EVERY_S:
             return
-        self._looked = now
+        self._looked = stamp
         if self._watch.saved():
             self._function = self._fault = None
 
@@ -136,7 +136,7 @@ class OwnPlanner:
 
 
 class OwnController:
-    """Drives: ``def command(now)`` returns v [m/s] and omega [rad/s]."""
+    """Drives: ``def command(tracking)`` returns v [m/s] and omega [rad/s]."""
 
     by_time = True
 
@@ -148,13 +148,13 @@ class OwnController:
         """
         self._own = _OwnFunction(name)
 
-    def command(self, now: Tracking) -> Twist2:
+    def command(self, tracking: Tracking) -> Twist2:
         """Return the twist to command.
 
         Raises:
             OwnModelError: the function has failed, with file and line.
         """
-        given = self._own.call(now)
+        given = self._own.call(tracking)
         if given is None:
             raise self._own.refuse("it gives None; is its `return` missing?")
         try:

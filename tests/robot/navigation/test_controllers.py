@@ -32,10 +32,10 @@ class Fails:
     by_time = True
     fault: str | None = "my.py line 3: no"
 
-    def command(self, now: Tracking) -> Twist2:
+    def command(self, tracking: Tracking) -> Twist2:
         if self.fault:
             raise NoWayError(self.fault)
-        return CONTROLLERS["tracker"].make().command(now)
+        return CONTROLLERS["tracker"].make().command(tracking)
 
 
 def journey(controller, goal=(0.3, 0.2, 2.0), seconds=60.0):
@@ -74,7 +74,7 @@ def test_one_that_fails_stands_says_why_and_drives_on_when_it_is_mended():
     assert max(abs(pose.x) for pose in poses) < 0.02
 
 
-def tracking(path, pose, twist=Twist2(0.2, 0.0), **more):
+def tracked(path, pose, twist=Twist2(0.2, 0.0), **more):
     wanted = Wanted(Pose2.from_array(path[0]), twist)
     return Tracking(pose, wanted, twist, path, more.pop("backwards", False), twist, 1.0, SETTINGS)
 
@@ -82,16 +82,16 @@ def tracking(path, pose, twist=Twist2(0.2, 0.0), **more):
 def test_pursuit_turns_towards_its_path_and_goes_straight_on_it():
     path = straight(Pose2(), 0.5).poses
     pursuit = RegulatedPurePursuit()
-    assert pursuit.command(tracking(path, Pose2())).omega == pytest.approx(0, abs=1e-9)
-    assert pursuit.command(tracking(path, Pose2(0, 0.02, 0))).omega < 0
-    assert pursuit.command(tracking(path, Pose2(0, -0.02, 0))).omega > 0
+    assert pursuit.command(tracked(path, Pose2())).omega == pytest.approx(0, abs=1e-9)
+    assert pursuit.command(tracked(path, Pose2(0, 0.02, 0))).omega < 0
+    assert pursuit.command(tracked(path, Pose2(0, -0.02, 0))).omega > 0
 
 
 def test_pursuit_drives_backwards_and_still_turns_towards_its_path():
     path = straight(Pose2(), -0.5).poses
     for beside in (0.02, -0.02):
         twist = RegulatedPurePursuit().command(
-            tracking(path, Pose2(0, beside, 0), Twist2(-0.2, 0.0), backwards=True)
+            tracked(path, Pose2(0, beside, 0), Twist2(-0.2, 0.0), backwards=True)
         )
         assert twist.v < 0
         after = Pose2(0, beside, 0) @ twist.integrate(0.3)
@@ -102,10 +102,10 @@ def test_pursuit_is_slower_in_narrow_bends_and_at_the_end():
     angles = np.linspace(0, 2, 100)
     bend = curve(0.1 * np.column_stack([np.sin(angles), 1 - np.cos(angles)])).poses
     pursuit = RegulatedPurePursuit()
-    slow = pursuit.command(tracking(bend, Pose2())).v
+    slow = pursuit.command(tracked(bend, Pose2())).v
     assert slow < 0.7 * SETTINGS.desired_linear_vel
     short = straight(Pose2(), 0.03).poses
-    assert pursuit.command(tracking(short, Pose2())).v <= 0.3 * SETTINGS.desired_linear_vel
+    assert pursuit.command(tracked(short, Pose2())).v <= 0.3 * SETTINGS.desired_linear_vel
 
 
 @pytest.mark.parametrize("reach", [0.1, 0.4])

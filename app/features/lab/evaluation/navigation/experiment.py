@@ -173,21 +173,21 @@ def _summary(name: str, condition: str, trial: str, rows: list[Row]) -> dict[str
             "left_after_median_s": float(np.median(left)) if left else None,
         }
     tried = [row for row in rows if row["state"] != "no goal"]
-    there = [row for row in tried if row["state"] == "arrived"]
+    arrived = [row for row in tried if row["state"] == "arrived"]
     # A push is no fault of the drive; its time is not compared.
-    ratios = [row["seconds"] / row["fastest_s"] for row in there if row["fastest_s"] > 0]
+    ratios = [row["seconds"] / row["fastest_s"] for row in arrived if row["fastest_s"] > 0]
     others = Counter(
         f"{row['state']}: {row['reason']}" for row in tried if row["state"] != "arrived"
     )
     return about | {
         "journeys": len(tried),
         "moved": sum(row["moved"] for row in tried),
-        "reached": len(there),
-        "error_median_m": _median(row["error_m"] for row in there),
-        "error_worst_m": max((row["error_m"] for row in there), default=None),
-        "turn_median_deg": _degrees(_median(row["turn_rad"] for row in there)),
-        "turn_worst_deg": _degrees(max((row["turn_rad"] for row in there), default=None)),
-        "seconds_median": _median(row["seconds"] for row in there),
+        "reached": len(arrived),
+        "error_median_m": _median(row["error_m"] for row in arrived),
+        "error_worst_m": max((row["error_m"] for row in arrived), default=None),
+        "turn_median_deg": _degrees(_median(row["turn_rad"] for row in arrived)),
+        "turn_worst_deg": _degrees(max((row["turn_rad"] for row in arrived), default=None)),
+        "seconds_median": _median(row["seconds"] for row in arrived),
         "over_fastest_median": _median(ratios),
         "not_reached": dict(others.most_common()),
     }

@@ -140,7 +140,7 @@ class NavigationTrial:
         if self.trial == "figure-eight":
             curve = CurveMessage(shape="figure_eight", start=place)
             command = NavigateCommand(type="navigate", curve=curve)
-        off: list[float] = []
+        offsets: list[float] = []
         left = None
         began = self.now.stamp
         self._put(command)
@@ -150,19 +150,19 @@ class NavigationTrial:
             if self.trial == "figure-eight" and (status is None or not status.active):
                 break
             place_now = np.array([[self.truth.x, self.truth.y]])
-            off.append(_from_circles(start.inverse().apply(place_now), radius))
+            offsets.append(_from_circles(start.inverse().apply(place_now), radius))
             if self.field.farthest_outside(place_now) > LEAVES_M:
                 left = self.now.stamp - began
                 break
-        minutes = np.array_split(np.square(off), max(1, round((self.now.stamp - began) / 60)))
+        minutes = np.array_split(np.square(offsets), max(1, round((self.now.stamp - began) / 60)))
         rms = [float(np.sqrt(each.mean())) for each in minutes if len(each)]
         return {
             "number": 0,
             "state": "left the field" if left else "driven",
             "reason": "",
             "seconds": self.now.stamp - began,
-            "rms_m": float(np.sqrt(np.mean(np.square(off)))),
-            "worst_m": float(np.max(off)),
+            "rms_m": float(np.sqrt(np.mean(np.square(offsets)))),
+            "worst_m": float(np.max(offsets)),
             "rms_by_minute_m": rms,
             "room_m": self._room,
             "moved": False,
