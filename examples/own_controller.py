@@ -4,15 +4,17 @@ import math
 from pathlib import Path
 
 from app.features.navigation.messages import GoalMessage, NavigateCommand
-from brickpose import Config, build_program
+from brickpose import Config, Pose2, build_program
+from robot.navigation.controllers import Tracking
+from robot.navigation.free_space import FreeSpace
 
 
-def corners(space, start, goal):
+def corners(space: FreeSpace, start: Pose2, goal: Pose2) -> list[tuple[float, float]]:
     """Return the corners [m] of a way from a pose to another one; None is none."""
     return [(start.x, start.y), (goal.x, start.y), (goal.x, goal.y)]
 
 
-def command(tracking):
+def command(tracking: Tracking) -> tuple[float, float]:
     """Return v [m/s] and omega [rad/s]: as wanted now, and back to the path."""
     error = tracking.pose.inverse() @ tracking.wanted.pose
     v = tracking.ahead.v * math.cos(error.theta) + 2.0 * error.x

@@ -266,7 +266,7 @@ def _hybrid(  # noqa: C901, PLR0915 - compiled: each call of a part copies its a
             poses[count, 0], poses[count, 1] = new_x, new_y
             poses[count, 2], poses[count, 3] = new_theta, ahead
             before[count], cost[count] = node, new
-            _sift_up(keys, heap, size, new + np.float32(near * resolution), count)
+            _sift_up(keys, heap, size, float(new + np.float32(near * resolution)), count)
             size += 1
             count += 1
     return np.empty((0, 4))

@@ -15,6 +15,7 @@ from tqdm import tqdm
 
 from app.engine.robots import robot_kind
 from app.features.lab.calibrate.command import calibrate_by_driving
+from app.features.lab.evaluation.experiment import PLACED_SD
 from app.features.lab.evaluation.integrity.experiment import Failure, map_stem
 from app.features.lab.evaluation.navigation.trials import TRIALS, NavigationJob, Row, do_trial
 from app.features.lab.workers import Workers
@@ -22,6 +23,7 @@ from app.settings.conditions import apply_condition, require_condition
 from app.settings.config import MAPS, Config
 from robot.calibration.calibrate import SHORTEST_S
 from robot.fields.field_loading import load_field
+from robot.geometry import Pose2
 from robot.settings import SettingError
 from sim.engines import engine_version
 
@@ -116,7 +118,10 @@ def do_calibrated(wanted: CalibratedJob) -> list[Row]:
     job = wanted.job
     if wanted.calibrate is None:
         return do_trial(job)
-    profile = calibrate_by_driving(job.config, wanted.calibrate).profile
+    start = load_field(job.config.map, MAPS).start
+    error = np.random.default_rng(job.config.seed).normal(0.0, PLACED_SD)
+    placed = Pose2.from_array(start.to_array() + error)
+    profile = calibrate_by_driving(job.config, wanted.calibrate, placed).profile
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "profile.toml"
         path.write_text(profile.to_toml(), encoding="utf-8")

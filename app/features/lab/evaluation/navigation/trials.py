@@ -212,7 +212,7 @@ class NavigationTrial:
         """Drive until the journey is over."""
         self._began, self._was_moved = self.now.stamp, False
         self._put(command)
-        status = None
+        status: NavigationStatus | None = None
         while self.now.stamp < self._began + longest:
             self._step(RENEWAL)
             status = self.now.added.get("navigation")
