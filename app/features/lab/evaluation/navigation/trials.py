@@ -146,7 +146,7 @@ class NavigationTrial:
         self._put(command)
         while self.now.stamp < began + seconds:
             self._step(command if self.trial == "open-loop" else RENEWAL)
-            status = self.now.added.get("navigation")
+            status = self._status
             if self.trial == "figure-eight" and (status is None or not status.active):
                 break
             place_now = np.array([[self.truth.x, self.truth.y]])
@@ -212,16 +212,22 @@ class NavigationTrial:
         """Drive until the journey is over."""
         self._began, self._was_moved = self.now.stamp, False
         self._put(command)
-        status: NavigationStatus | None = None
+        status = None
         while self.now.stamp < self._began + longest:
             self._step(RENEWAL)
-            status = self.now.added.get("navigation")
+            status = self._status
             if status is not None and not status.active and self.now.stamp > self._began + 0.1:
                 return status
             if moved_at is not None and self.now.stamp >= moved_at:
                 moved_at = None
                 self._was_moved = self._move(PUSH_M[self.trial])
         self._put(StopCommand(type="stop"))
+        return status
+
+    @property
+    def _status(self) -> NavigationStatus | None:
+        """What navigation shows of itself; None before the first journey."""
+        status: NavigationStatus | None = self.now.added.get("navigation")
         return status
 
     def _move(self, distance: float) -> bool:
