@@ -162,6 +162,10 @@ class Feature:
     commands: tuple[Callable[[], Iterable[CommandRow]], ...] = ()
     """Each gives rows of the table of commands, which the page, programs, recordings and replays
     then have; the types of their commands must be new."""
+    planners: tuple[Callable[[], Iterable[Any]], ...] = ()
+    """Each gives ``robot.navigation.planners.PlannerKind``s, which ``[navigation]`` can choose."""
+    controllers: tuple[Callable[[], Iterable[Any]], ...] = ()
+    """Each gives ``robot.navigation.controllers.ControllerKind``s, in the same way."""
     messages: tuple[Callable[[], Iterable[type[Message]]], ...] = ()
     """Each gives messages of its routes, which ``/docs`` describes and the page's types have as
     they have commands; their names must be new."""

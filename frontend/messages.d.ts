@@ -150,6 +150,31 @@ export interface CompilingMessage {
   total: number;
 }
 
+/** A closed curve, which is driven lap after lap. */
+export interface CurveMessage {
+  shape: "figure_eight" | "circle" | "square" | "points";
+  /**
+   * Radius of the circles, or half of the square's side [m]; null is the figure-eight's radius in
+   * the settings.
+   */
+  size?: number | null;
+  /**
+   * Speed along the curve where nothing asks for less [m/s]; null is the figure-eight's in the
+   * settings.
+   */
+  speed?: number | null;
+  /**
+   * x, y [m] in the map, of the shape points: the curve leads smoothly through them, and from the
+   * last one back to the first.
+   */
+  points?: [number, number][];
+  /**
+   * Where a shape begins, and in which direction; null is where the robot stands, as it stands.
+   * Circles are driven to the left first, and the square's corners are left ones.
+   */
+  start?: GoalMessage | null;
+}
+
 /** Delete a stroke of tape from the finished map, before it is saved. */
 export interface DeleteStrokeCommand {
   /** Repeated in the answer. */
@@ -693,17 +718,23 @@ export interface MoveEndCommand {
 }
 
 /**
- * Drive to goals, one after the other. It holds until the robot is there, as long as its sender is
- * connected and nobody else drives.
+ * Drive to goals, one after the other; or along a closed curve, lap after lap. It holds until the
+ * robot is there, as long as its sender is connected and nobody else drives.
  */
 export interface NavigateCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
   type: "navigate";
-  /** Where to; null only renews the journey that there is. */
+  /** Where to; null, without a curve, only renews the journey that there is. */
   poses?: GoalMessage[] | null;
+  /** The curve, in place of goals. */
+  curve?: CurveMessage | null;
   /** Whether to begin again after the last goal. */
   repeat?: boolean;
+  /** By name; null is that of the settings. */
+  planner?: string | null;
+  /** By name; null is that of the settings. */
+  controller?: string | null;
   /** Whether the sender renews it itself, as ``drive``; the robot stands when that ends. */
   renewed?: boolean;
 }
@@ -723,6 +754,8 @@ export interface NavigationMessage {
   target: PoseMessage | null;
   /** When the way was planned [s]; ``/api/navigation`` has it. */
   planned: number;
+  /** Whether it is a closed curve, lap after lap; what is left is that of the lap. */
+  on_curve?: boolean;
 }
 
 /** The way of a journey. */

@@ -236,6 +236,8 @@ class NavigationMessage(Message):
     """Where the robot shall be next."""
     planned: float
     """When the way was planned [s]; ``/api/navigation`` has it."""
+    on_curve: bool = False
+    """Whether it is a closed curve, lap after lap; what is left is that of the lap."""
 
 
 class DriverMessage(Message):

@@ -9,14 +9,17 @@ from typing import Literal
 
 import numpy as np
 
+from robot.errors import BrickPoseError
 from robot.geometry import Array, Pose2, Twist2, wrap_angle
 from robot.localization.estimate import Integrity, State
+from robot.navigation.controllers import Controller, Tracker, Tracking
+from robot.navigation.curves import ClosedCurve, Lap, lap_of
 from robot.navigation.free_space import FreeSpace
 from robot.navigation.goal import Goal
 from robot.navigation.legs import WayLeg, curve, straight, turn
 from robot.navigation.planning import NoWayError, Planner, plan
 from robot.navigation.settings import NavigationSettings
-from robot.navigation.timed_way import Limits, TimedWay, timed
+from robot.navigation.timed_way import Limits, TimedWay, timed, timed_loop
 from robot.navigation.tracker import follow
 
 NavigationState = Literal["planning", "driving", "waiting", "arrived", "canceled", "failed"]
@@ -26,8 +29,8 @@ SETTLE_S = 0.4
 """The robot stands so long before its end is judged: the filter sees it at rest [s]."""
 GOAL_STAYS = 0.015
 """A place that was reached counts so until the robot is farther away from it [m]."""
-MOST_CORRECTIONS = 3
-"""So often an end that is too far from its goal is driven to again."""
+MOST_CORRECTIONS = 6
+"""So often an end that is too far from its goal is driven to again; then the journey has failed."""
 CORRECTION_M = 0.08
 """For that the robot goes back so far, and comes again [m]."""
 SIDESTEPS = 25
@@ -54,7 +57,16 @@ UNSURE = {
 }
 
 
-Job = Callable[[], tuple[WayLeg, ...]]
+SEARCHED_S = 1.0
+"""The nearest place on a leg is looked for so far ahead [s]."""
+LEG_ENDS_M, LEG_ENDS_S = 0.006, 0.5
+"""A controller that does not keep times has come to the end of its leg so near to it [m], or if it
+stands so shortly before it [s]; the rest is driven by times."""
+ON_CURVE = 0.02
+"""A robot that is farther from a closed curve first drives to it as to a goal [m; rad / 5]."""
+
+Plan = tuple[WayLeg, ...] | Lap
+Job = Callable[[], Plan]
 """Plans; raises a ``NoWayError``."""
 
 
@@ -80,6 +92,8 @@ class NavigationStatus:
     """(n, 2) the way to this goal [m]."""
     planned: float = 0.0
     """When that way was taken [s]: another one has another time."""
+    on_curve: bool = False
+    """Whether it drives along a closed curve, or to it; then there are no goals."""
 
     @property
     def active(self) -> bool:
@@ -113,25 +127,33 @@ class Navigator:
         radius: float,
         name: str | int | None = None,
         repeat: bool = False,
+        curve: ClosedCurve | None = None,
         planner: Planner = plan,
+        controller: Controller | None = None,
     ) -> None:
         """Begin a journey.
 
         Args:
-            goals: one or more.
+            goals: one or more; none with a curve.
             settings: tolerances and speeds.
             limits: of the drive.
             radius: of the circle in which the robot turns on the spot [m].
             name: by which its sender knows the journey.
             repeat: whether it begins again after the last goal.
+            curve: is driven lap after lap, until somebody ends it.
             planner: finds ways.
+            controller: drives along them; none is the tracker.
         """
-        self.status = NavigationStatus("planning", goals, name)
+        self.status = NavigationStatus("planning", goals, name, on_curve=curve is not None)
         self._settings = settings
         self._limits = limits
         self._turning_room = radius + NEAREST_SEEN
         self._repeat = repeat
         self._planner = planner
+        self._controller = controller or Tracker()
+        self._curve = curve
+        self._lap: Lap | None = None
+        """Of the curve, as it lies in the map; None before it is known."""
         self._trajectory: TimedWay | None = None
         self._clock = 0.0
         """How far the trajectory is driven [s]."""
@@ -151,6 +173,8 @@ class Navigator:
         """Whether it shall turn around at the goal, and whether it has."""
         self._reached = False
         """Whether the place of the goal was reached: then only the heading is left."""
+        self._left_at: Pose2 | None = None
+        """Where the robot left its curve; there it goes on."""
 
     def job(self, free: Callable[[], FreeSpace], tick: Sensed) -> Job | None:
         """Return work for another thread, if there is some: its result belongs to ``take``."""
@@ -159,6 +183,8 @@ class Navigator:
             or not self._stands(tick)
         ):  # fmt: skip
             return None
+        if self._curve is not None:
+            return self._curve_job(self._curve, free, tick.pose)
         start, goal, planner = tick.pose, self._goal, self._planner
         reached, settings, seeks = self._reached, self._settings, self._seeks
         self._seeks = False
@@ -179,12 +205,36 @@ class Navigator:
 
         return work
 
-    def take(self, legs: tuple[WayLeg, ...] | NoWayError) -> None:
+    def _curve_job(
+        self, wanted: ClosedCurve, free: Callable[[], FreeSpace], start: Pose2
+    ) -> Job | None:
+        """Return the work of a curve: a way to it, or the lap if the robot stands on it."""
+        lap = self._lap or lap_of(wanted, wanted.start or start, self._limits)
+        self._lap = lap = lap.begun_near(self._left_at or start)
+        planner, begin = self._planner, lap.begin
+        self._asked = start
+
+        def work() -> Plan:
+            space = free()
+            if not space.fits(lap.poses):
+                raise NoWayError(
+                    "along the curve the robot would touch a wall, or be nearer to it than "
+                    f"{1000 * space.settings.clearance:.0f} mm; valid is a smaller one, or "
+                    "another place to begin"
+                )
+            turned = abs(begin.turn_to(start)) / 5
+            if max(begin.distance_to(start), turned) <= ON_CURVE:
+                return lap
+            return planner(space, start, begin)
+
+        return work
+
+    def take(self, legs: Plan | BrickPoseError) -> None:
         """Drive along legs that were planned, or stand if there is no way."""
         self._asked = None
         if not self.status.active:
             return
-        if isinstance(legs, NoWayError):
+        if isinstance(legs, BrickPoseError):
             self._end("failed", str(legs))
             return
         self._clock = 0.0
@@ -193,9 +243,12 @@ class Navigator:
             self._trajectory = None
             self._next_goal()
             return
-        self._trajectory = timed(legs, self._limits)
+        if isinstance(legs, Lap):
+            self._trajectory = timed_loop(legs.legs, self._limits)
+        else:
+            self._trajectory = timed(legs, self._limits)
         self.status = replace(
-            self.status, path=self._trajectory.poses[:, :2].copy(), planned=self._stamp or 0.0
+            self.status, path=self._trajectory.lap_points, planned=self._stamp or 0.0
         )
         self._show("driving")
 
@@ -219,13 +272,51 @@ class Navigator:
             return Twist2()
         if self._clock >= trajectory.duration and self._settled(tick, pose, trajectory):
             return Twist2()
+        return self._drive(tick, pose, trajectory, passed)
+
+    def _drive(self, tick: Sensed, pose: Pose2, trajectory: TimedWay, passed: float) -> Twist2:
+        """Go on along the trajectory."""
         pace = self._pace(tick.integrity)
-        self._clock = min(self._clock + pace * passed, trajectory.duration)
-        wanted = trajectory.at(self._clock)
-        ahead = trajectory.at(self._clock + pace * self._settings.command_lag).twist
+        low, high = trajectory.leg_at(self._clock)
+        stays = trajectory.is_turn(low, high)
+        controller = self._controller
+        clock = min(self._clock + pace * passed, trajectory.duration)
+        if not controller.by_time and not stays and self._clock < trajectory.duration:
+            clock = self._clock_by_place(tick, pose, trajectory, clock, high)
+        self._clock = clock
+        wanted = trajectory.at(clock)
+        ahead = trajectory.at(clock + pace * self._settings.command_lag).twist
         self._show("driving", target=wanted.pose)
         paced = Twist2(pace * ahead.v, pace * ahead.omega)
-        return follow(pose, wanted, paced, self._settings)
+        over = clock >= trajectory.duration
+        if stays or (over and not controller.by_time):
+            return follow(pose, wanted, paced, self._settings)
+        tracking = Tracking(
+            pose,
+            wanted,
+            paced,
+            trajectory.ahead_of(clock, high),
+            trajectory.is_backwards(low, high),
+            tick.twist,
+            pace,
+            self._settings,
+        )
+        try:
+            return controller.command(tracking)
+        except BrickPoseError as error:
+            self._show("waiting", reason=str(error))
+            return Twist2()
+
+    def _clock_by_place(
+        self, tick: Sensed, pose: Pose2, trajectory: TimedWay, latest: float, high: int
+    ) -> float:
+        """Return the time of the nearest place on the leg; at its end, time goes on by itself."""
+        end = float(trajectory.times[high])
+        nearest = trajectory.nearest_time(pose, self._clock, min(self._clock + SEARCHED_S, end))
+        left = trajectory.at(end).pose.distance_to(pose)
+        if left < LEG_ENDS_M or (end - nearest < LEG_ENDS_S and self._stands(tick)):
+            return latest if latest > end else end
+        return nearest
 
     def hold(self, tick: Sensed) -> None:
         """Stand in this tick, since nobody renews the journey."""
@@ -240,6 +331,9 @@ class Navigator:
 
     def plan_anew(self) -> None:
         """Stand, and plan another way from there."""
+        trajectory = self._trajectory
+        if trajectory is not None and trajectory.loop is not None:
+            self._left_at = trajectory.at(self._clock).pose
         self._trajectory = None
         self._stands_since = None
         self._show("planning")
@@ -330,6 +424,10 @@ class Navigator:
 
     def _judge(self, pose: Pose2, goal: Pose2, radius: float) -> None:
         settings = self._settings
+        if self._curve is not None:  # it stands where the curve begins, or beside it
+            self._ended = None
+            self.plan_anew()
+            return
         if radius > VAGUE_M and not self._sought:
             self._reached, self._ended = True, None
             self._seeks = self._sought = True
@@ -342,10 +440,12 @@ class Navigator:
         turned = (
             any_heading or abs(wrap_angle(goal.theta - pose.theta)) <= settings.yaw_goal_tolerance
         )
-        if (distance <= settings.xy_goal_tolerance and turned) or (
-            self._corrections >= MOST_CORRECTIONS
-        ):
+        if distance <= settings.xy_goal_tolerance and turned:
             self._next_goal()
+            return
+        if self._corrections >= MOST_CORRECTIONS:
+            turn_off = 0.0 if any_heading else abs(wrap_angle(goal.theta - pose.theta))
+            self._end("failed", _miss(distance, turn_off, settings))
             return
         self._corrections += 1
         self.plan_anew()
@@ -379,7 +479,7 @@ class Navigator:
         left_m = left_s = 0.0
         if trajectory is not None:
             left_m = trajectory.left_at(self._clock)
-            left_s = trajectory.duration - self._clock
+            left_s = trajectory.time_left(self._clock)
         self.status = replace(
             self.status,
             state=state,
@@ -388,6 +488,16 @@ class Navigator:
             remaining_m=left_m,
             remaining_s=left_s,
         )
+
+
+def _miss(distance: float, turn_off: float, settings: NavigationSettings) -> str:
+    """Return in words how far from its goal the robot stands after all corrections."""
+    return (
+        f"it stands {1000 * distance:.1f} mm and {math.degrees(turn_off):.1f} degrees beside the "
+        f"goal and comes no nearer; valid is a xy_goal_tolerance above "
+        f"{1000 * settings.xy_goal_tolerance:.1f} mm, or a yaw_goal_tolerance above "
+        f"{math.degrees(settings.yaw_goal_tolerance):.1f} degrees"
+    )
 
 
 def corrected(

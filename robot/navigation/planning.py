@@ -16,6 +16,9 @@ from robot.navigation.legs import STEP, WayLeg, curve, rounded, straight, turn
 Planner = Callable[[FreeSpace, Pose2, Pose2], tuple[WayLeg, ...]]
 """Returns legs from a pose to another one, or raises a ``NoWayError``."""
 
+Corners = Callable[[FreeSpace, Pose2, Pose2], Array]
+"""Returns the corners (n, 2) [m] of a path between two places where the robot may turn."""
+
 SAME_PLACE, SAME_HEADING = 0.0005, 0.002
 """Nearer places [m] and headings [rad] count as the same."""
 GATES = (0.0, 0.03, 0.06, 0.1, 0.15, 0.2, 0.3, -0.03, -0.06, -0.1, -0.15, -0.2, -0.3)
@@ -37,6 +40,22 @@ def plan(free: FreeSpace, start: Pose2, goal: Pose2) -> tuple[WayLeg, ...]:
     Raises:
         NoWayError: a wall is at the goal, or between the two.
     """
+    return _plan(free, start, goal, _corners)
+
+
+def plan_by_corners(corners: Corners) -> Planner:
+    """Return a planner whose paths have the corners that a function finds.
+
+    Turns, rounding, and the ways from and to places beside walls are those of ``plan``.
+    """
+
+    def planner(free: FreeSpace, start: Pose2, goal: Pose2) -> tuple[WayLeg, ...]:
+        return _plan(free, start, goal, corners)
+
+    return planner
+
+
+def _plan(free: FreeSpace, start: Pose2, goal: Pose2, corners: Corners) -> tuple[WayLeg, ...]:
     require_free(free, goal)
     if start.distance_to(goal) < SAME_PLACE:
         if abs(start.turn_to(goal)) < SAME_HEADING:
@@ -59,7 +78,7 @@ def plan(free: FreeSpace, start: Pose2, goal: Pose2) -> tuple[WayLeg, ...]:
             f"{1000 * (free.radius + free.settings.clearance):.0f} mm from walls"
         )
     (first, begin), (last, end) = leaving, coming
-    between = _between(free, begin, end)
+    between = _between(free, begin, end, corners)
     legs = [first, *between, last]
     return tuple(leg for leg in legs if leg is not None)
 
@@ -105,11 +124,11 @@ def _gates(free: FreeSpace, pose: Pose2, *, away: bool) -> Iterator[tuple[WayLeg
             yield leg, other
 
 
-def _between(free: FreeSpace, begin: Pose2, end: Pose2) -> list[WayLeg]:
+def _between(free: FreeSpace, begin: Pose2, end: Pose2, corners: Corners) -> list[WayLeg]:
     """Return the turn at the beginning, the path, and the turn at the end."""
     if begin.distance_to(end) < SAME_PLACE:
         return _turn_if_needed(begin, end.theta)
-    way = _path(free, begin, end)
+    way = _path(free, corners(free, begin, end))
     ahead = way.poses[0, 2]
     back = way.poses[-1]
     return [
@@ -123,9 +142,8 @@ def _turn_if_needed(pose: Pose2, theta: float) -> list[WayLeg]:
     return [] if abs(wrap_angle(theta - pose.theta)) < SAME_HEADING else [turn(pose, theta)]
 
 
-def _path(free: FreeSpace, begin: Pose2, end: Pose2) -> WayLeg:
-    """Return the curve between two places where the robot may turn."""
-    corners = _corners(free, begin, end)
+def _path(free: FreeSpace, corners: Array) -> WayLeg:
+    """Return the curve along corners (n, 2) [m] between two places where the robot may turn."""
     for share in SMOOTHINGS:
         points = rounded(corners, share * free.settings.smoothing)
         if free.turns(points):

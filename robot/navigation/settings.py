@@ -13,6 +13,13 @@ TAPE = ("wall", "ignored")
 class NavigationSettings:
     """How the robot drives to a goal."""
 
+    planner: str = setting(
+        "grid", "Finds ways: grid, lattice, rrt, that of a package, or FILE.py:NAME of your own"
+    )
+    controller: str = setting(
+        "tracker",
+        "Drives along them: tracker, pursuit, that of a package, or FILE.py:NAME of your own",
+    )
     tape: str = setting(
         "wall", "Whether tape is a wall that the robot does not touch, or ignored", choices=TAPE
     )
@@ -43,6 +50,30 @@ class NavigationSettings:
     lookahead_dist: float = setting(
         0.04, "Way on which the robot comes back to its path", unit="m", low=0.02, high=1
     )
+    minimum_turning_radius: float = setting(
+        0.12, "Smallest radius of a bend, of the planner lattice", unit="m", low=0.02, high=5
+    )
+    lookahead_time: float = setting(
+        0.45, "Look-ahead over speed, of the controller pursuit", unit="s", low=0.05, high=5
+    )
+    min_lookahead_dist: float = setting(
+        0.05, "Shortest look-ahead, of the controller pursuit", unit="m", low=0.01, high=2
+    )
+    max_lookahead_dist: float = setting(
+        0.15, "Longest look-ahead, of the controller pursuit", unit="m", low=0.01, high=5
+    )
+    regulated_linear_scaling_min_radius: float = setting(
+        0.20, "Pursuit drives slower in bends of a smaller radius", unit="m", low=0, high=10
+    )
+    regulated_linear_scaling_min_speed: float = setting(
+        0.05, "Pursuit drives no slower in bends", unit="m/s", low=0.005, high=2
+    )
+    approach_velocity_scaling_dist: float = setting(
+        0.12, "Pursuit slows down over this length at the end", unit="m", low=0.01, high=5
+    )
+    min_approach_linear_velocity: float = setting(
+        0.02, "Pursuit drives no slower at the end", unit="m/s", low=0.005, high=1
+    )
     command_lag: float = setting(
         0.10, "Time after which the wheels turn as they are told", unit="s", low=0, high=1
     )
@@ -71,4 +102,9 @@ class NavigationSettings:
         if self.stop_radius <= self.slow_radius:
             raise SettingError(
                 f"stop_radius is {self.stop_radius} m; valid is more than slow_radius"
+            )
+        if self.max_lookahead_dist < self.min_lookahead_dist:
+            raise SettingError(
+                f"max_lookahead_dist is {self.max_lookahead_dist} m; valid is min_lookahead_dist "
+                "or more"
             )

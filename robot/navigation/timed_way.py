@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robot.driving.drive_controller import DriveSettings
 from robot.geometry import Array, Pose2, Twist2
@@ -23,6 +25,8 @@ REST_S = 0.15
 """The robot stands so long between two legs [s]."""
 SAMPLE_S = 0.02
 """Time between two moments of a trajectory [s]."""
+LOOP_LAPS = 3
+"""A loop is planned with so many laps: one to get up speed, one that comes again, one to stop."""
 
 
 class Wanted(NamedTuple):
@@ -44,11 +48,19 @@ class TimedWay:
     """(n, 2) v and omega [m/s, rad/s]."""
     left: Array
     """(n,) the way that is left [m]."""
+    loop: tuple[float, float] | None = None
+    """Begin and end of a lap [s], after which the same lap comes again; None ends."""
 
     @property
     def duration(self) -> float:
-        """How long it takes [s]."""
-        return float(self.times[-1])
+        """How long it takes [s]; infinite if it is driven round and round."""
+        return float(self.times[-1]) if self.loop is None else math.inf
+
+    @property
+    def lap_points(self) -> Array:
+        """(n, 2) the way [m], and of a loop one lap."""
+        shown = self.times <= (self.times[-1] if self.loop is None else self.loop[1])
+        return self.poses[shown, :2].copy()
 
     @property
     def goal(self) -> Pose2:
@@ -64,14 +76,73 @@ class TimedWay:
         twist = v + share * (omega - v)
         return Wanted(Pose2(x, y, theta), Twist2(float(twist[0]), float(twist[1])))
 
+    def leg_at(self, time: float) -> tuple[int, int]:
+        """Return the first and the last point of the leg at a time: between them it never stands.
+
+        Points between which only the heading changes are a leg, too.
+        """
+        place, _ = self._place(time)
+        rests = self._rests
+        low = int(np.searchsorted(rests, place, side="right")) - 1
+        return (int(rests[low]) + 1 if low >= 0 else 0), int(rests[low + 1])
+
+    @cached_property
+    def _rests(self) -> NDArray[np.intp]:
+        """The last point of each leg."""
+        gaps = np.diff(self.times) >= REST_S - 1e-6
+        return np.append(np.flatnonzero(gaps), len(self.times) - 1)
+
+    def is_turn(self, low: int, high: int) -> bool:
+        """Whether the robot turns on the spot between two points."""
+        return bool((self.poses[low : high + 1, :2] == self.poses[low, :2]).all())
+
+    def is_backwards(self, low: int, high: int) -> bool:
+        """Whether the robot drives backwards between two points of a leg."""
+        return bool(self.twists[low : high + 1, 0].sum() < 0)
+
+    def ahead_of(self, time: float, last: int) -> Array:
+        """Return the poses (n, 3) from a time [s] on to the last point of a leg."""
+        place, _ = self._place(time)
+        return self.poses[place : max(last, place) + 1]
+
+    def nearest_time(self, pose: Pose2, since: float, until: float) -> float:
+        """Return when between two times [s] the way is nearest to a pose."""
+        low, _ = self._place(since)
+        high, _ = self._place(until)
+        poses = self.poses[low : high + 2]
+        if len(poses) < 2:
+            return since
+        step = np.diff(poses[:, :2], axis=0)
+        length = np.maximum((step**2).sum(axis=1), 1e-18)
+        beside = np.array([pose.x, pose.y]) - poses[:-1, :2]
+        share = np.clip((beside * step).sum(axis=1) / length, 0.0, 1.0)
+        away = np.hypot(*(beside - share[:, None] * step).T)
+        best = int(np.argmin(away))
+        begin, end = self.times[low + best], self.times[low + best + 1]
+        shifted = since - self._wrapped(since)
+        return max(float(begin + share[best] * (end - begin)) + shifted, since)
+
     def left_at(self, time: float) -> float:
-        """Return the way that is left at a time [m]."""
+        """Return the way that is left at a time [m], in a loop of the lap."""
         place, share = self._place(time)
         low, high = self.left[place], self.left[place + 1]
-        return float(low + share * (high - low))
+        beyond = 0.0 if self.loop is None else np.interp(self.loop[1], self.times, self.left)
+        return max(float(low + share * (high - low) - beyond), 0.0)
+
+    def time_left(self, time: float) -> float:
+        """Return the time from a time on to its end, in a loop to that of the lap [s]."""
+        end = self.times[-1] if self.loop is None else self.loop[1]
+        return max(float(end) - self._wrapped(time), 0.0)
+
+    def _wrapped(self, time: float) -> float:
+        if self.loop is None or time < self.loop[1]:
+            return time
+        begin, end = self.loop
+        return begin + (time - begin) % (end - begin)
 
     def _place(self, time: float) -> tuple[int, float]:
         """Return the point before a time, and how far the time is on the way to the next one."""
+        time = self._wrapped(time)
         place = int(np.searchsorted(self.times, time, side="right")) - 1
         place = min(max(place, 0), len(self.times) - 2)
         low, high = float(self.times[place]), float(self.times[place + 1])
@@ -117,6 +188,20 @@ class Limits:
             half_track=track / 2,
         )  # fmt: skip
 
+    def along_curve(self, speed: float, drive: DriveSettings) -> Limits:
+        """Return the limits along a closed curve, at a speed [m/s].
+
+        Its turning speed may change as fast as the drive allows: the curve is given, and where it
+        bends the other way the robot would else slow down.
+        """
+        return replace(
+            self,
+            speed=min(speed, drive.max_velocity),
+            turning=TURN_SHARE * drive.max_angular_velocity,
+            turning_gain=SHARE
+            * min(drive.max_angular_acceleration, drive.max_angular_deceleration),
+        )
+
 
 def timed(legs: tuple[WayLeg, ...], limits: Limits) -> TimedWay:
     """Return legs with times: as fast as the limits allow, at rest between two legs."""
@@ -131,6 +216,30 @@ def timed(legs: tuple[WayLeg, ...], limits: Limits) -> TimedWay:
     steps = np.hypot(*np.diff(all_poses[:, :2], axis=0).T)
     left = np.concatenate([np.cumsum(steps[::-1])[::-1], [0.0]])
     return TimedWay(np.concatenate(times), all_poses, np.concatenate(twists), left)
+
+
+def timed_loop(lap: tuple[WayLeg, ...], limits: Limits) -> TimedWay:
+    """Return a lap with times that comes again and again; one single leg without a stop."""
+    if len(lap) > 1:
+        way = timed(lap, limits)
+        # The rest after the last leg is as long as between two.
+        end = float(way.times[-1]) + REST_S
+        return replace(
+            way,
+            times=np.append(way.times, end),
+            poses=np.concatenate([way.poses, way.poses[-1:]]),
+            twists=np.concatenate([way.twists, np.zeros((1, 2))]),
+            left=np.append(way.left, 0.0),
+            loop=(0.0, end),
+        )
+    poses = lap[0].poses
+    around = np.array([0.0, 0.0, poses[-1, 2] - poses[0, 2]])
+    laps = [poses, *(poses[1:] + number * around for number in range(1, LOOP_LAPS))]
+    way = timed((WayLeg(np.concatenate(laps)),), limits)
+    # It gets up speed in the first lap and stands at the end of the last one.
+    ends = way.left[0] * np.array([LOOP_LAPS - 1.0, LOOP_LAPS - 2.0]) / LOOP_LAPS
+    begin, end = np.interp(ends, way.left[::-1], way.times[::-1]).tolist()
+    return replace(way, loop=(begin, end))
 
 
 def _turn_timed(leg: WayLeg, limits: Limits) -> tuple[Array, Array, Array]:

@@ -72,6 +72,14 @@ def test_the_filter_knows_where_the_robot_is(run, name):
     assert "certain" in said
 
 
+def test_an_own_planner_and_an_own_controller_bring_the_robot_to_its_goal(run):
+    (said,) = run("own_controller.py")
+    assert said.startswith("arrived; ;")
+    x, y = (float(re.search(rf"{axis}=(-?[\d.]+)", said)[1]) for axis in "xy")
+    assert abs(x - 0.25) < 0.002
+    assert abs(y - 0.2) < 0.002
+
+
 @pytest.mark.parametrize("name", ["drive_square", "localize_scan", "own_filter"])
 def test_at_the_end_of_a_drive_it_is_millimetres_off(run, name):
     said = run(f"{name}.py")

@@ -29,12 +29,21 @@ INTEGRITY = (
     "map", "condition", "start", "first_seed", "seeds", "laps", "config", "workers", "cluster",
 )  # fmt: skip
 """Options valid with integrity; ``out`` is valid, too."""
+NAVIGATION = (
+    "map", "condition", "trial", "first_seed", "seeds", "goals", "minutes", "calibrate", "config",
+    "workers", "cluster",
+)  # fmt: skip
+"""Options valid with navigation; ``out`` is valid, too."""
+OWN_OPTIONS = {"integrity": INTEGRITY, "navigation": NAVIGATION}
+"""Options of what has only its own."""
 KINDS = {
     "experiment": "The paper's experiment: what is done if none of these is named.",
     "models": "Statistics of the models: of the motion and sensor models of one robot, or of "
     "recorded odometry with truth, and fitted parameters for --config.",
     "integrity": "Is it right when it says so: robots x fields x conditions x starts, what was "
     "claimed and what was true at each picture, Stanford diagrams and causes.",
+    "navigation": "Does it get there: fields x conditions x trials x seeds, random goals, robots "
+    "that are pushed or carried off, closed curves; where the true robot was.",
 }
 """What can be evaluated, with its description."""
 
@@ -48,14 +57,14 @@ def add_evaluate(command: CommandParser) -> None:
     )
     _add_common(command)
     command.set_defaults(command=_evaluate, what="experiment")
-    kinds = command.add_subparsers(metavar="{experiment,models,integrity}")
+    kinds = command.add_subparsers(metavar="{experiment,models,integrity,navigation}")
     for name, about in KINDS.items():
         kind = kinds.add_parser(
             name,
             help=about.partition(":")[0],
             description=about,
         )
-        (_add_integrity if name == "integrity" else _add_common)(kind)
+        {"integrity": _add_integrity, "navigation": _add_navigation}.get(name, _add_common)(kind)
         kind.set_defaults(what=name)
 
 
@@ -71,7 +80,8 @@ def _add_out(command: argparse.ArgumentParser) -> None:
         "--out",
         type=Path,
         metavar="DIR",
-        help="where the results go (default: evaluation; of models and integrity a folder in it)",
+        help="where the results go (default: evaluation; of models, integrity and navigation a "
+        "folder in it)",
     )
 
 
@@ -106,6 +116,52 @@ def _add_integrity(command: argparse.ArgumentParser) -> None:
         "--laps", type=int, metavar="N",
         help="laps of the figure-eight (default: 1); carried drives take 17 s, moved ones 21 s",
     )  # fmt: skip
+    _add_out(command)
+    add_config(command)
+    add_workers(command)
+
+
+def _add_navigation(command: argparse.ArgumentParser) -> None:
+    """Add the options of navigation: fields x conditions x trials."""
+    several: dict[str, Any] = {"nargs": "+", "action": "extend"}
+    command.add_argument(
+        "--map",
+        metavar="NAME|FILE",
+        **several,
+        help="fields of maps/, generated-N (from a seed), or files (default: square tee town)",
+    )
+    command.add_argument(
+        "--condition", metavar="NAME", **several,
+        help=f"which (default: default): {condition_names()}",
+    )  # fmt: skip
+    command.add_argument(
+        "--trial",
+        metavar="TRIAL",
+        **several,
+        help="what is tried (default: goals): goals, pushed, carried, scattered, figure-eight, "
+        "open-loop",
+    )
+    command.add_argument(
+        "--first-seed", type=int, metavar="N", help="seed of the first robot (default: 0)"
+    )
+    command.add_argument(
+        "--seeds", type=int, metavar="N",
+        help="how many robots on each field in each condition (default: 12)",
+    )  # fmt: skip
+    command.add_argument(
+        "--goals", type=int, metavar="N",
+        help="random goals of each robot (default: 20); a scattered one has one",
+    )  # fmt: skip
+    command.add_argument(
+        "--minutes", type=float, metavar="N",
+        help="how long a figure-eight is driven (default: 30)",
+    )  # fmt: skip
+    command.add_argument(
+        "--calibrate",
+        type=float,
+        metavar="SECONDS",
+        help="calibrate each robot first, by a drive of this duration",
+    )
     _add_out(command)
     add_config(command)
     add_workers(command)
@@ -236,6 +292,13 @@ def _evaluate(parsed: argparse.Namespace) -> int:
 
         with interruptible():
             return integrity_command(_own_options(vars(parsed)))
+    if parsed.what == "navigation":
+        from app.features.lab.evaluation.navigation.command import (  # noqa: PLC0415
+            navigation_command,
+        )
+
+        with interruptible():
+            return navigation_command(_own_options(vars(parsed)))
     check_options(vars(parsed))
     if parsed.what == "models":
         from app.features.lab.model_fits.command import models_command  # noqa: PLC0415
@@ -249,16 +312,18 @@ def _evaluate(parsed: argparse.Namespace) -> int:
 
 
 def _own_options(given: dict[str, Any]) -> dict[str, Any]:
-    """Return the options of integrity; refuse options of the experiment given before its name.
+    """Return the options of what is evaluated; refuse options of the experiment before its name.
 
     Raises:
-        SettingError: an option does not go with integrity; names it and the valid ones.
+        SettingError: an option does not go with it; names the option and the valid ones.
     """
+    kind = given["what"]
+    valid = OWN_OPTIONS[kind]
     for name in given:
-        if name not in (*INTEGRITY, "out", "what", *NO_OPTIONS):
-            options = ", ".join(_option(item) for item in ("out", *INTEGRITY))
-            raise SettingError(f"{_option(name)} does not go with integrity; valid are {options}")
-    for name in ("map", "condition", "start"):
+        if name not in (*valid, "out", "what", *NO_OPTIONS):
+            options = ", ".join(_option(item) for item in ("out", *valid))
+            raise SettingError(f"{_option(name)} does not go with {kind}; valid are {options}")
+    for name in ("map", "condition", "start", "trial"):
         if isinstance(given.get(name), str):
             given = given | {name: [given[name]]}
     return given

@@ -8,7 +8,7 @@ FEATURE = Feature(
     subcommands=(
         Subcommand(
             "evaluate",
-            "the paper's experiment, statistics of the models, or integrity",
+            "the paper's experiment, statistics of the models, integrity, or navigation",
             Late("app.features.lab.evaluate_options:add_evaluate"),
         ),
         Subcommand(

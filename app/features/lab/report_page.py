@@ -31,7 +31,10 @@ STYLE: Any = {
     "axes.titlesize": 9,
 }
 LAB = Path(__file__).parent
-ROOMS = ("", "evaluation", "evaluation/integrity", "model_fits", "calibrate", "mapping")
+ROOMS = (
+    "", "evaluation", "evaluation/integrity", "evaluation/navigation", "model_fits", "calibrate",
+    "mapping",
+)  # fmt: skip
 """Folders that hold templates."""
 NOTHING = 1e-6
 """A smaller value, in millimetres or milliradians, is a rounding error."""

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 from app.engine.command_row import CommandRow, Part, Repeat, Request, TickContext
 from app.engine.driving_commands import require_drivable
 from app.engine.program import Program
-from app.features.navigation.journey import RENEWAL, Journey
-from app.features.navigation.messages import CancelCommand, NavigateCommand
+from app.features.navigation.journey import RENEWAL, Journey, curve_of
+from app.features.navigation.messages import CancelCommand, GoalMessage, NavigateCommand
 from robot.errors import CommandError
 from robot.fields.field import Field
 from robot.geometry import Pose2
@@ -22,18 +22,24 @@ KEEPER: Part[JourneyKeeper] = Part("navigation")
 def _begin(request: Request[NavigateCommand]) -> None:
     """Begin a journey, and keep it up if its sender does not renew it."""
     command = request.command
-    if command.poses is None:
+    if not _starts(command):
         request.pass_on()
         return
     keeper = request.part(KEEPER)
-    keeper.require_free(command.poses)
+    keeper.require_known(command)
+    keeper.require_free(command.poses or ())
     request.pass_on()
     keeper.keep(None if command.renewed else request.driver, request.arbiter)
 
 
+def _starts(command: NavigateCommand) -> bool:
+    """Whether a command starts a journey; else it renews the one that there is."""
+    return command.poses is not None or command.curve is not None
+
+
 def _navigate(tick: TickContext[NavigateCommand]) -> None:
     command, controls = tick.command, tick.controls
-    starts = command.poses is not None
+    starts = _starts(command)
     journey = Journey.of(command, controls.stamp) if starts else RENEWAL
     controls.driving.perform(journey, controls.stamp, start=starts)
 
@@ -49,8 +55,12 @@ def _cancel(tick: TickContext[CancelCommand]) -> None:
 
 def _check(command: NavigateCommand, program: Program) -> None:
     """Refuse a goal while nothing could tell the robot where it is."""
+    if command.curve is not None:
+        if command.poses is not None:
+            raise CommandError("a journey has poses or a curve; valid is one of them")
+        curve_of(command.curve, program.config.figure_eight)
     latest = program.engine.latest.get()
-    if command.poses is None or latest is None:
+    if not _starts(command) or latest is None:
         return
     if latest.filter.paused or latest.filter.hand is not None:
         raise CommandError("the filter is paused; resume it to drive to a goal")
@@ -60,7 +70,9 @@ def _check(command: NavigateCommand, program: Program) -> None:
 
 def _check_field(command: NavigateCommand, field: Field) -> None:
     """Refuse goals that are not on the floor."""
-    for goal in command.poses or ():
+    curve = command.curve
+    points = [GoalMessage(x=x, y=y) for x, y in curve.points] if curve else []
+    for goal in [*(command.poses or ()), *points]:
         if not field.contains(Pose2(goal.x, goal.y)):
             xmin, ymin, xmax, ymax = field.extent
             raise CommandError(

@@ -1,12 +1,17 @@
 """The compiled functions of navigation, with their arguments' types."""
 
-from numba import float32, int64
+from numba import float32, float64, int64
 
 from app.engine.compiling.functions import Compiled
 
-_COSTS = float32[:, ::1]
+_COSTS, _ROW = float32[:, ::1], float64[::1]
 
 COMPILED = (
     Compiled("robot.navigation.grid_search._search", (_COSTS, int64, int64, int64, int64)),
     Compiled("robot.navigation.grid_search._corners", (_COSTS, int64[:, ::1])),
+    Compiled("robot.navigation.lattice._ways_left", (_COSTS, int64, int64)),
+    Compiled(
+        "robot.navigation.lattice._hybrid",
+        (_COSTS, _ROW, float64[:, ::1], _ROW, _COSTS, float64, _ROW, _ROW),
+    ),
 )

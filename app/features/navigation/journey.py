@@ -6,11 +6,14 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from app.engine.driving import Programme
-from app.features.navigation.messages import NavigateCommand
-from robot.geometry import Twist2
+from app.features.navigation.messages import CurveMessage, NavigateCommand
+from robot.driving.figure_eight import FigureEight
+from robot.errors import CommandError
+from robot.geometry import Pose2, Twist2
 from robot.navigation.goal import Goal
 
 if TYPE_CHECKING:
+    from robot.navigation.curves import ClosedCurve
     from robot.navigation.navigator import Navigator
 
 MODE = "navigate"
@@ -46,6 +49,11 @@ class Journey(Programme):
     name: str | int | None = None
     """By which its sender knows it."""
     repeat: bool = False
+    curve: CurveMessage | None = None
+    """What it drives lap after lap, in place of goals."""
+    planner: str | None = None
+    controller: str | None = None
+    """By name; None are those of the settings."""
     began: float
     """Stamp of its command [s]."""
     helm: Helm = field(repr=False)
@@ -61,9 +69,30 @@ class Journey(Programme):
             goals=goals,
             name=command.id,
             repeat=command.repeat,
+            curve=command.curve,
+            planner=command.planner,
+            controller=command.controller,
             began=stamp,
             helm=helm,
         )
+
+
+def curve_of(message: CurveMessage, eight: FigureEight) -> ClosedCurve:
+    """Return the curve that is asked for; what is not said of it is the figure-eight's.
+
+    Raises:
+        CommandError: there is no such curve.
+    """
+    from robot.navigation.curves import ClosedCurve, CurveError  # noqa: PLC0415 - the first curve
+
+    start = message.start
+    if start is not None and start.theta is None:
+        raise CommandError("the curve's start has no theta; valid is a number of radians")
+    pose = None if start is None else Pose2(start.x, start.y, start.theta or 0.0)
+    try:
+        return ClosedCurve(message.shape, message.size or eight.radius, message.points, pose)
+    except CurveError as error:
+        raise CommandError(f"{error}") from error
 
 
 RENEWAL = Programme(MODE, Helm().velocity)

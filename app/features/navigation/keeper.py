@@ -39,6 +39,16 @@ class JourneyKeeper:
         self._lock = threading.Lock()
         self._thread: WorkerThread | None = None
 
+    def require_known(self, command: NavigateCommand) -> None:
+        """Refuse a planner or a controller that there is not.
+
+        Raises:
+            CommandError: lists the valid ones.
+        """
+        from app.features.navigation.choices import Choices  # noqa: PLC0415 - the first goal
+
+        Choices(self._settings).require(command.planner, command.controller)
+
     def require_free(self, goals: Iterable[GoalMessage]) -> None:
         """Refuse goals where the robot would touch a wall.
 

@@ -9,6 +9,7 @@ from pydantic import ConfigDict, Field
 from app.messages.message import CommandMessage, Message, Metres, Radians
 
 MOST_GOALS = 1000
+MOST_POINTS = 1000
 
 
 class GoalMessage(Message):
@@ -22,17 +23,43 @@ class GoalMessage(Message):
     """The heading there; null is any."""
 
 
+class CurveMessage(Message):
+    """A closed curve, which is driven lap after lap."""
+
+    model_config = ConfigDict(strict=True)
+
+    shape: Literal["figure_eight", "circle", "square", "points"]
+    size: Annotated[float, Field(ge=0.02, le=10)] | None = None
+    """Radius of the circles, or half of the square's side [m]; null is the figure-eight's radius
+    in the settings."""
+    speed: Annotated[float, Field(ge=0.01, le=2)] | None = None
+    """Speed along the curve where nothing asks for less [m/s]; null is the figure-eight's in the
+    settings."""
+    points: Annotated[tuple[tuple[Metres, Metres], ...], Field(max_length=MOST_POINTS)] = ()
+    """x, y [m] in the map, of the shape points: the curve leads smoothly through them, and from the
+    last one back to the first."""
+    start: GoalMessage | None = None
+    """Where a shape begins, and in which direction; null is where the robot stands, as it stands.
+    Circles are driven to the left first, and the square's corners are left ones."""
+
+
 class NavigateCommand(CommandMessage):
-    """Drive to goals, one after the other.
+    """Drive to goals, one after the other; or along a closed curve, lap after lap.
 
     It holds until the robot is there, as long as its sender is connected and nobody else drives.
     """
 
     type: Literal["navigate"]
     poses: Annotated[list[GoalMessage], Field(min_length=1, max_length=MOST_GOALS)] | None = None
-    """Where to; null only renews the journey that there is."""
+    """Where to; null, without a curve, only renews the journey that there is."""
+    curve: CurveMessage | None = None
+    """The curve, in place of goals."""
     repeat: bool = False
     """Whether to begin again after the last goal."""
+    planner: Annotated[str, Field(max_length=200)] | None = None
+    """By name; null is that of the settings."""
+    controller: Annotated[str, Field(max_length=200)] | None = None
+    """By name; null is that of the settings."""
     renewed: bool = False
     """Whether the sender renews it itself, as ``drive``; the robot stands when that ends."""
 

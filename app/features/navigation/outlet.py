@@ -48,6 +48,7 @@ class NavigationOutlet(Outlet):
             number=status.number,
             target=pose_message(status.target),
             planned=status.planned,
+            on_curve=status.on_curve,
         )
         return {"navigation": message}
 

@@ -10,25 +10,31 @@ from functools import cached_property
 import numpy as np
 
 from app.engine.controls import Controls
-from app.features.navigation.journey import Journey
+from app.features.navigation.choices import Choices
+from app.features.navigation.journey import Journey, curve_of
 from app.features.navigation.messages import CancelCommand
+from app.features.own_models.error_messages import running
 from app.languages.marking import phrase
 from app.messages.commands import Command
 from app.settings.config import Config
 from robot.driving.differential_drive import DifferentialDrive
+from robot.errors import BrickPoseError
 from robot.fields.field import Field
 from robot.geometry import Twist2
 from robot.interface import Reading
 from robot.navigation.free_space import FreeSpace
-from robot.navigation.legs import WayLeg
-from robot.navigation.navigator import NavigationStatus, Navigator, Sensed
+from robot.navigation.navigator import NavigationStatus, Navigator, Plan, Sensed
+from robot.navigation.planners import PATIENCE_S
 from robot.navigation.planning import NoWayError
 from robot.navigation.settings import NavigationSettings
 from robot.navigation.timed_way import Limits
 
-PATIENCE_S, FIRST_PATIENCE_S = 0.15, 0.3
-"""A way is driven this long after its planning began [s], on the robot's clock, so that drives
-repeat exactly, however fast the computer is. The first one also needs the free space."""
+FIRST_PATIENCE_S = 0.15
+"""A way is driven the planner's patience after its planning began [s], on the robot's clock, so
+that drives repeat exactly, however fast the computer is. The first one is driven so much later, as
+it also needs the free space."""
+HANGS_S = 10.0
+"""A planner of one's own that has not ended after so long [s] is given up."""
 LONGEST_TICK_S = 1.0
 """A longer time between two ticks is a jump of a replay."""
 
@@ -44,9 +50,11 @@ class Pilot:
         self._field = field
         self._journey: Journey | None = None
         self._free: FreeSpace | None = None
-        self._future: Future[tuple[WayLeg, ...]] | None = None
+        self._future: Future[Plan] | None = None
         self._due = 0.0
         self._stamp = stamp
+        self._choices = Choices(self.settings)
+        self._patience = PATIENCE_S
         self._canceled = False
         """Whether recordings shall know that a journey was ended by something else."""
 
@@ -108,11 +116,24 @@ class Pilot:
             self.shown = before.helm.navigator.status
             self._canceled = journey is None and not before.helm.canceled
         if journey is not None:
-            limits = self._limits(controls.driving.kinematics)
-            goals, repeat = journey.goals, journey.repeat
+            limits, curve = self._limits(controls.driving.kinematics), None
+            if journey.curve is not None:
+                eight = self._config.figure_eight
+                curve = curve_of(journey.curve, eight)
+                limits = limits.along_curve(journey.curve.speed or eight.speed, self._config.drive)
             radius = float(np.hypot(*controls.spec.outline.T).max())
+            kind = self._choices.planner(journey.planner)
+            self._patience = kind.patience
             navigator = Navigator(
-                goals, self.settings, limits, radius=radius, name=journey.name, repeat=repeat
+                journey.goals,
+                self.settings,
+                limits,
+                radius=radius,
+                name=journey.name,
+                repeat=journey.repeat,
+                curve=curve,
+                planner=kind.plan,
+                controller=self._choices.controller(journey.controller),
             )
             journey.helm.navigator = navigator
             self.shown = navigator.status
@@ -127,16 +148,26 @@ class Pilot:
         if self._future is not None:
             if tick.stamp >= self._due:
                 future, self._future = self._future, None
-                try:
-                    navigator.take(future.result())
-                except NoWayError as error:
-                    navigator.take(error)
+                navigator.take(self._result(future))
             return
         outline = controls.spec.outline
         job = navigator.job(lambda: self._space(outline), tick)
         if job is not None:
-            self._due = tick.stamp + (FIRST_PATIENCE_S if self._free is None else PATIENCE_S)
+            first = FIRST_PATIENCE_S if self._free is None else 0.0
+            self._due = tick.stamp + self._patience + first
             self._future = self._worker.submit(job)
+
+    def _result(self, future: Future[Plan]) -> Plan | BrickPoseError:
+        """Return a way that is due, or why there is none."""
+        try:
+            return future.result(HANGS_S)
+        except TimeoutError:
+            stuck, self._worker = self._worker, ThreadPoolExecutor(1, "navigation")
+            where = next((running(each.ident) for each in stuck._threads), None)
+            stuck.shutdown(wait=False)
+            return NoWayError(where or phrase("the planner does not end"))
+        except BrickPoseError as error:
+            return error
 
     def _space(self, outline: np.ndarray) -> FreeSpace:
         """Return the free space; in the thread."""

@@ -19,10 +19,13 @@ export class Journey {
   #line = find("journey", HTMLElement);
   #text = find("journey-text", HTMLElement);
   #cancel = findButton("journey-cancel");
+  #eight = findButton("closed-eight");
   /** @type {OwnDrive} */
   #own;
   /** When the way that was asked for was planned [s]. */
   #asked = 0;
+  /** Whether this page has the robot drive along a closed curve. */
+  #onCurve = false;
 
   /**
    * @param {Drive} drive
@@ -33,12 +36,24 @@ export class Journey {
     this.order = order;
     this.#own = new OwnDrive(drive, order, "navigate");
     this.#cancel.onclick = () => order({ type: "cancel" });
+    this.#eight.onclick = () => (this.#onCurve ? order({ type: "cancel" }) : this.#loop());
   }
 
   /** Drive to a pose. @param {PoseMessage} pose */
   go({ x, y, theta }) {
     /** @type {Command} */
     const command = { type: "navigate", poses: [{ x, y, theta }], renewed: true };
+    this.#begin(command);
+  }
+
+  /** Drive the figure-eight by the estimate. */
+  #loop() {
+    const speed = Math.min(this.drive.speed, this.drive.maxV);
+    this.#begin({ type: "navigate", curve: { shape: "figure_eight", speed }, renewed: true });
+  }
+
+  /** @param {Command} command */
+  #begin(command) {
     if (this.drive.mayBegin) this.#own.begin(command);
     // The refusal says who drives, and what to do.
     else this.order(command);
@@ -46,6 +61,8 @@ export class Journey {
 
   /** @param {TelemetryMessage} telemetry */
   follow({ mode, navigation, driver }) {
+    this.#onCurve = mode === "navigate" && this.#own.mine && !!navigation?.on_curve;
+    this.#eight.setAttribute("aria-pressed", String(this.#onCurve));
     this.#own.heed(mode === "navigate", driver.stopped);
     this.#own.follow(mode === "navigate");
     this.#line.hidden = !navigation;
@@ -67,12 +84,13 @@ export class Journey {
 const isActive = ({ state }) => state === "planning" || state === "driving" || state === "waiting";
 
 /** @param {NavigationMessage} navigation */
-function words({ state, remaining_m, remaining_s, reason }) {
+function words({ state, remaining_m, remaining_s, reason, on_curve }) {
   const why = reason ? translated(reason) : "";
   switch (state) {
     case "planning":
       return t("goal: planning the way");
     case "driving":
+      if (on_curve) return t("curve: {way} m of this lap left", { way: plain(remaining_m, 2) });
       return t("goal: {way} m, {time} s left", { way: plain(remaining_m, 2), time: plain(remaining_s, 0) });
     case "waiting":
       return t("goal: waiting; {why}", { why });

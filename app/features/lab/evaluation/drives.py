@@ -141,8 +141,8 @@ def record(
     config = replace(config, figure_eight=replace(config.figure_eight, phase=elapsed))
     # Models are used only when the drive is followed; here a broken one would stop the robot.
     config = replace(config, sensor_model="", motion_model="", models="")
-    program = build_program(_for_lab(simulated(config)), field=field, scanner=scanner)
-    engine, robot = _silent(program.engine), program.robot
+    program = build_program(for_lab(simulated(config)), field=field, scanner=scanner)
+    engine, robot = silent(program.engine), program.robot
     engine.commands.put(PauseCommand(type="pause"))
     ticks: list[Tick] = []
     try:
@@ -166,12 +166,12 @@ def simulated(config: Config) -> Config:
     return config if robot_kind(config).is_simulated else replace(config, robot=AUTO)
 
 
-def _for_lab(config: Config) -> Config:
+def for_lab(config: Config) -> Config:
     """Return the configuration without a start pose that was saved or set for another run."""
     return replace(config, start_pose=StartPoseSettings())
 
 
-def _silent(engine: Engine) -> Engine:
+def silent(engine: Engine) -> Engine:
     """Make an engine log its problems at debug level only.
 
     In some conditions pictures are missing on purpose.
@@ -228,13 +228,13 @@ def follow_drive(
     """
     spec = robot_spec(config)
     program = build_program(
-        _for_lab(config),
+        for_lab(config),
         robot=ReplayRobot("The drive", (tick.reading for tick in drive.ticks), spec),
         field=believed or drive.field,
         scanner=RecordedScanner(drive, spec, config.scanner),
         entries=entries,
     )
-    engine = _silent(program.engine)
+    engine = silent(program.engine)
     localization = engine.localization
     begin(localization)
     for tick in drive.ticks:

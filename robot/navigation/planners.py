@@ -1,0 +1,51 @@
+"""PlannerKind: a way of finding ways, by its name; ours, and how one is made of corners."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+from robot.geometry import Pose2
+from robot.navigation.free_space import FreeSpace
+from robot.navigation.legs import WayLeg
+from robot.navigation.planning import Planner, plan, plan_by_corners
+
+PATIENCE_S = 0.15
+
+
+@dataclass(frozen=True)
+class PlannerKind:
+    """A planner."""
+
+    name: str
+    plan: Planner
+    """Returns legs from a pose to another one, or raises a ``NoWayError``. It may be called in any
+    thread."""
+    patience: float = PATIENCE_S
+    """A way is driven this long after its planning began [s], on the robot's clock."""
+
+
+def _in_headings(free: FreeSpace, start: Pose2, goal: Pose2) -> tuple[WayLeg, ...]:
+    from robot.navigation.lattice import plan_in_headings  # noqa: PLC0415 - few use it
+
+    return plan_in_headings(free, start, goal)
+
+
+def _at_random(free: FreeSpace, start: Pose2, goal: Pose2) -> tuple[WayLeg, ...]:
+    from robot.navigation.random_tree import random_corners  # noqa: PLC0415 - few use it
+
+    return plan_by_corners(random_corners)(free, start, goal)
+
+
+PLANNERS: Mapping[str, PlannerKind] = MappingProxyType(
+    {
+        kind.name: kind
+        for kind in (
+            PlannerKind("grid", plan),
+            PlannerKind("lattice", _in_headings, 0.3),
+            PlannerKind("rrt", _at_random, 1.5),
+        )
+    }
+)
+"""Ours, by the name in the settings."""
