@@ -117,6 +117,7 @@ class PictureOdometer:
         Raises:
             GroundError: the camera does not see the floor that the settings name.
         """
+        self.view = view
         self.ground = GroundView.of(view, settings)
         self._settings = settings
         middle_row = (view.lens.height - 1) / 2
@@ -129,7 +130,7 @@ class PictureOdometer:
         self._last = np.zeros(4)
         """The last motion of the patch, by second."""
         self._variance = 4.0
-        self._noise = 0.0
+        self._noise = self._contrast = 0.0
         self._right, self._totals = np.empty(4), np.empty(6)
         self._squared, self._crossed, self._spread = np.empty((3, 4, 4))
         self._sums = np.empty(9)
@@ -167,6 +168,10 @@ class PictureOdometer:
         patch = np.empty((*self.ground.shape, 3), dtype=np.float32)
         slopes(fine, coarse, patch)
         return patch
+
+    def __getstate__(self) -> dict[str, object]:
+        """Leave the last picture out: after a jump, a replay has another one."""
+        return self.__dict__ | {"_before": None}
 
     def _compare(
         self, before: tuple[float, Patch], after: tuple[float, Patch], predicted: Pose2
@@ -217,6 +222,7 @@ class PictureOdometer:
     def _judged(self, motion: Array, guess: Array) -> _Fit:
         """Keep of a motion what is seen of it."""
         totals, (height, width) = self._totals, self.ground.shape
+        self._contrast = float(min(totals[AA], totals[BB]) / max(totals[WEIGHT], 1e-12))
         alike = float(totals[AB] / math.sqrt(max(totals[AA] * totals[BB], 1e-12)))
         clear = totals[AB] > CLEAR * NOISE_LEFT * self._noise**2 * totals[WEIGHT]
         enough = clear and totals[COUNT] * STRIDE**2 >= FEWEST * (height - 2 * MARGIN) * (
@@ -260,10 +266,10 @@ class PictureOdometer:
         moved = self._settings.scale_error * np.array([motion.x, motion.y, motion.theta])
         covariance = covariance + np.diag(np.square(moved)) + np.diag([1e-10, 1e-10, 1e-9])
         larger, larger_sd = self._growth(fit)
-        textured = fit.squared[0, 0] * fit.variance > 0
+        textured = self._contrast > CLEAR * NOISE_LEFT * self._noise**2
         return PictureMotion(
             begin, end, motion, covariance, seen, fit.alike, predicted,
-            larger, larger_sd, bool(textured),
+            larger, larger_sd, textured,
         )  # fmt: skip
 
     def _growth(self, fit: _Fit) -> tuple[float, float]:
