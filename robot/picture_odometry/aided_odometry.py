@@ -1,4 +1,4 @@
-"""Dead reckoning by wheels that also looks at the floor, and may be put right by what it sees."""
+"""Aided odometry: dead reckoning by wheels that looks at pictures, and may be put right by them."""
 
 from __future__ import annotations
 

@@ -116,11 +116,11 @@ def step_sums(
                 w00 * after[i, j, 0] + w01 * after[i, j + 1, 0]
                 + w10 * after[i + 1, j, 0] + w11 * after[i + 1, j + 1, 0]
             )  # fmt: skip
-            bx = (
+            b_ahead = (
                 w00 * after[i, j, 1] + w01 * after[i, j + 1, 1]
                 + w10 * after[i + 1, j, 1] + w11 * after[i + 1, j + 1, 1]
             )  # fmt: skip
-            by = (
+            b_left = (
                 w00 * after[i, j, 2] + w01 * after[i, j + 1, 2]
                 + w10 * after[i + 1, j, 2] + w11 * after[i + 1, j + 1, 2]
             )  # fmt: skip
@@ -128,7 +128,7 @@ def step_sums(
             residual = b - before[row, column, 0]
             weight = 1 / (variance + POSITION_SD**2 * (ax * ax + ay * ay))
             weight /= 1 + residual * residual * weight / 9
-            j0, j1 = -0.5 * (ax + bx), -0.5 * (ay + by)
+            j0, j1 = -0.5 * (ax + b_ahead), -0.5 * (ay + b_left)
             j2 = j1 * rx - j0 * ry
             weighed = weight * residual
             b0 -= weighed * j0
@@ -196,11 +196,11 @@ def accumulate(
                 w00 * after[i, j, 0] + w01 * after[i, j + 1, 0]
                 + w10 * after[i + 1, j, 0] + w11 * after[i + 1, j + 1, 0]
             )  # fmt: skip
-            bx = (
+            b_ahead = (
                 w00 * after[i, j, 1] + w01 * after[i, j + 1, 1]
                 + w10 * after[i + 1, j, 1] + w11 * after[i + 1, j + 1, 1]
             )  # fmt: skip
-            by = (
+            b_left = (
                 w00 * after[i, j, 2] + w01 * after[i, j + 1, 2]
                 + w10 * after[i + 1, j, 2] + w11 * after[i + 1, j + 1, 2]
             )  # fmt: skip
@@ -210,7 +210,12 @@ def accumulate(
             weight = 1 / (variance + POSITION_SD**2 * (ax * ax + ay * ay))
             weight /= 1 + residual * residual * weight / 9
             ja[0], ja[1], ja[2], ja[3] = -ax, -ay, ax * ry - ay * rx, ax * rx + ay * ry
-            jb[0], jb[1], jb[2], jb[3] = -bx, -by, bx * ry - by * rx, bx * rx + by * ry
+            jb[0], jb[1], jb[2], jb[3] = (
+                -b_ahead,
+                -b_left,
+                b_ahead * ry - b_left * rx,
+                b_ahead * rx + b_left * ry,
+            )
             for k in range(4):
                 jm[k] = 0.5 * (ja[k] + jb[k])
             weighed = weight * residual

@@ -50,9 +50,6 @@ ARM_M = 0.056
 """A turn counts by the way of a wheel: half the distance between them [m]."""
 GROWN = 0.025
 """By this share the floor has to look larger or smaller in the window: 4 mm of 160."""
-BLIND_S = 0.12
-"""A floor that was seen, and is not alike any more for so long, moved in a way that no wheel does:
-the robot is in the air [s]."""
 HOLDS_S = 0.5
 """A state that is told holds at least for this time [s]."""
 
@@ -76,36 +73,26 @@ class WheelCheck:
         self.state = WheelState.UNKNOWN
         self._steps: deque[_Step] = deque()
         self._told = -math.inf
-        self._seen = -math.inf
-        """When the floor was last seen to move as it can [s]."""
 
     def add(self, motion: PictureMotion) -> WheelState:
         """Add the motion of a picture; return what is known now."""
         if motion.seen < 2:
             self._steps.clear()
-            found = self._blind(motion)
+            state = WheelState.UNKNOWN
         else:
-            self._seen = motion.end
             self._steps.append(_step_of(motion))
             while self._steps and self._steps[0].end < motion.end - WINDOW_S:
                 self._steps.popleft()
-            found = self._judged()
-        if found in (WheelState.ROLLING, WheelState.UNKNOWN):
+            state = self._judged()
+        if state in (WheelState.ROLLING, WheelState.UNKNOWN):
             if motion.end < self._told + HOLDS_S and self.state is not WheelState.UNKNOWN:
                 return self.state
         else:
             self._told = motion.end
             if self.state is WheelState.LIFTED:
-                found = self.state  # what a robot in the air sees of its wheels means nothing
-        self.state = found
-        return found
-
-    def _blind(self, motion: PictureMotion) -> WheelState:
-        """Judge a picture that is not alike the one before."""
-        since = motion.end - self._seen
-        if motion.textured and BLIND_S <= since < 5 * BLIND_S:
-            return WheelState.LIFTED
-        return WheelState.UNKNOWN
+                state = self.state  # what a robot in the air sees of its wheels means nothing
+        self.state = state
+        return state
 
     def _judged(self) -> WheelState:
         seconds = sum(step.seconds for step in self._steps)

@@ -24,6 +24,13 @@ from robot.picture_odometry.wheel_check import WheelCheck, WheelState
 
 NAME = "picture_odometry"
 """The feature's name, by which snapshots have what it shows."""
+WORDS = {
+    WheelState.STUCK: phrase("The wheels turn, and the robot stands: it is stuck."),
+    WheelState.SLIPPING: phrase("The robot does not move as its wheels turn: they slip."),
+    WheelState.PUSHED: phrase("The robot moves, and its wheels do not turn so: it is pushed."),
+    WheelState.LIFTED: phrase("The robot was lifted off the floor."),
+}
+"""What is told of wheels that do not roll."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -101,15 +108,6 @@ class PictureOdometryCompanion:
 
     def close(self) -> None:
         """Do nothing: there is no thread."""
-
-
-WORDS = {
-    WheelState.STUCK: phrase("The wheels turn, and the robot stands: it is stuck."),
-    WheelState.SLIPPING: phrase("The robot does not move as its wheels turn: they slip."),
-    WheelState.PUSHED: phrase("The robot moves, and its wheels do not turn so: it is pushed."),
-    WheelState.LIFTED: phrase("The robot was lifted off the floor."),
-}
-"""What is told of wheels that do not roll."""
 
 
 def _state(snapshot: Snapshot) -> PictureOdometryState | None:
