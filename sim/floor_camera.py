@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pkgutil import resolve_name
 
 import cv2
 import numpy as np
@@ -12,9 +13,8 @@ from robot.camera import FloorView
 from robot.fields.field import FloorPicture
 from robot.geometry import Pose2, Twist2
 from robot.settings import check_settings, setting
-from sim.clutter import KINDS, add_clutter, add_glare, add_uneven_light
+from sim.clutter import KINDS, TEXTURES, TONES, add_clutter, add_glare, add_uneven_light
 from sim.floor_samples import FloorSamples
-from sim.floor_textures import TEXTURES, TONES, add_texture
 
 _NOISE_MARGIN = 64
 """How far the place in the table of noise is moved at random, by row and column [px]."""
@@ -97,10 +97,13 @@ class FloorCamera:
     ) -> None:
         # Separate streams: noise is the same with and without clutter.
         for_clutter, for_light, for_glare = rng.spawn(3)
-        # A child of a child: what is drawn of a texture changes no other stream.
-        for_texture = for_clutter.spawn(1)[0]
-        bare = add_texture(floor, settings.texture, settings.tone, for_texture)
-        littered = add_clutter(bare.scaled(settings.floor_scale), settings.clutter, for_clutter)
+        if settings.texture != "none":
+            # A child of a child: what is drawn of a texture changes no other stream.
+            for_texture = for_clutter.spawn(1)[0]
+            # By name: most floors have none.
+            add_texture = resolve_name("sim.floor_textures:add_texture")
+            floor = add_texture(floor, settings.texture, settings.tone, for_texture)
+        littered = add_clutter(floor.scaled(settings.floor_scale), settings.clutter, for_clutter)
         lit = add_uneven_light(littered, settings.uneven_light, for_light)
         self._floor = add_glare(lit, settings.glare, for_glare)
         self._settings = settings

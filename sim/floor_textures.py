@@ -14,11 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robot.fields.floor_picture import MAX_PIXELS, FloorPicture
-
-TEXTURES = ("none", "wood", "lino", "carpet", "concrete")
-"""Kinds of floor."""
-TONES = ("light", "dark")
-"""Whether a kind is its light one or its dark one."""
+from sim.clutter import TEXTURES, TONES
 
 BRIGHTNESS = {
     "wood": (0.80, 0.42),
@@ -120,7 +116,7 @@ def _wood(shape: tuple[int, ...], resolution: float, rng: np.random.Generator) -
     grain += 0.035 * _noise(shape, (70 * mm, 2.5 * mm), rng)
     grain += 0.015 * _noise(shape, (1.2 * mm, 0.4 * mm), rng)
     pores = _noise(shape, (3 * mm, 0.35 * mm), rng)
-    wood = 1 + grain - 0.10 * np.clip(pores - 1.7, 0, 1)
+    wood: Grey = 1 + grain - 0.10 * np.clip(pores - 1.7, 0, 1)
     stave = round(70 * mm)
     for top in range(-int(rng.integers(stave)), height, stave):
         rows = slice(max(0, top), min(height, top + stave))
@@ -143,7 +139,8 @@ def _lino(shape: tuple[int, ...], resolution: float, rng: np.random.Generator) -
     marble += 0.025 * _noise(shape, (5 * mm, 1.6 * mm), rng)
     marble += 0.018 * _noise(shape, (0.8 * mm, 0.6 * mm), rng)
     specks = _noise(shape, (0.7 * mm, 0.7 * mm), rng)
-    return 1 + marble - 0.16 * np.clip(specks - 2.3, 0, 1)
+    lino: Grey = 1 + marble - 0.16 * np.clip(specks - 2.3, 0, 1)
+    return lino
 
 
 def _carpet(shape: tuple[int, ...], resolution: float, rng: np.random.Generator) -> Grey:
@@ -157,7 +154,8 @@ def _carpet(shape: tuple[int, ...], resolution: float, rng: np.random.Generator)
     wander = 0.6 * _noise(shape, (15 * mm, 15 * mm), rng)
     rows = np.cos(2 * np.pi * (x + wander)) * np.cos(2 * np.pi * (y + wander))
     trodden = 0.03 * _noise(shape, (60 * mm, 60 * mm), rng)
-    return 1 + loops + 0.07 * rows + trodden
+    carpet: Grey = 1 + loops + 0.07 * rows + trodden
+    return carpet
 
 
 def _concrete(shape: tuple[int, ...], resolution: float, rng: np.random.Generator) -> Grey:
@@ -167,7 +165,8 @@ def _concrete(shape: tuple[int, ...], resolution: float, rng: np.random.Generato
     for size, contrast in ((90, 0.04), (30, 0.03), (10, 0.022), (3, 0.02), (1, 0.02), (0.5, 0.025)):
         cloud += contrast * _noise(shape, (size * mm, size * mm), rng)
     pores = _noise(shape, (1.0 * mm, 1.0 * mm), rng)
-    return cloud - 0.22 * np.clip((pores - 2.9) * 2, 0, 1)
+    concrete: Grey = cloud - 0.22 * np.clip((pores - 2.9) * 2, 0, 1)
+    return concrete
 
 
 _MAKE: dict[str, Callable[[tuple[int, ...], float, np.random.Generator], Grey]] = {

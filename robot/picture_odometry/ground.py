@@ -59,16 +59,16 @@ class GroundView:
             raise GroundError(
                 f"the compared floor has {height} x {width} px; valid are {SMALLEST} and more"
             )
-        x = settings.farthest - size * (np.arange(height) + 0.5)
-        y = settings.width / 2 - size * (np.arange(width) + 0.5)
+        x: Array = settings.farthest - size * (np.arange(height, dtype=np.float64) + 0.5)
+        y: Array = settings.width / 2 - size * (np.arange(width, dtype=np.float64) + 0.5)
         return cls._over(view, x, y, size)
 
     @classmethod
     def around(cls, view: FloorView, sides: tuple[float, float, float], size: float) -> GroundView:
         """Return a view of the nearest and farthest x, and of a width [m], seen or not."""
         nearest, farthest, wide = sides
-        x = np.arange(farthest, nearest, -size)
-        y = np.arange(wide / 2, -wide / 2, -size)
+        x: Array = np.arange(farthest, nearest, -size, dtype=np.float64)
+        y: Array = np.arange(wide / 2, -wide / 2, -size, dtype=np.float64)
         return cls._over(view, x, y, size, whole=False)
 
     @classmethod
