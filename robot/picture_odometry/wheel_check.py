@@ -54,7 +54,7 @@ HOLDS_S = 0.5
 """A state that is told holds at least for this time [s]."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class _Step:
     end: float
     seconds: float
