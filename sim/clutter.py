@@ -33,6 +33,10 @@ PAIRS_OF_SHOES = 3
 DARK = 32
 """Brightness of things on the floor: as of the tape in maps/, #202225 [grey levels]."""
 
+TEXTURES = ("none", "wood", "lino", "carpet", "concrete")
+"""Kinds of floor, which ``floor_textures`` makes."""
+TONES = ("light", "dark")
+"""Whether a kind is its light one or its dark one."""
 _SHIFT = 4
 """Number of fractional bits in pixel coordinates for OpenCV."""
 REFLECTIONS = 4

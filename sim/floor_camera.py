@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pkgutil import resolve_name
 
 import cv2
 import numpy as np
@@ -12,7 +13,7 @@ from robot.camera import FloorView
 from robot.fields.field import FloorPicture
 from robot.geometry import Pose2, Twist2
 from robot.settings import check_settings, setting
-from sim.clutter import KINDS, add_clutter, add_glare, add_uneven_light
+from sim.clutter import KINDS, TEXTURES, TONES, add_clutter, add_glare, add_uneven_light
 from sim.floor_samples import FloorSamples
 
 _NOISE_MARGIN = 64
@@ -55,6 +56,8 @@ class CameraSettings:
         "none", "Things on the floor that are no tape and in no map", choices=KINDS
     )
 
+    texture: str = setting("none", "What the bare floor is made of", choices=TEXTURES)
+    tone: str = setting("light", "Whether that is a light or a dark one", choices=TONES)
     glare: float = setting(
         0.0, "Grey levels that the reflections of lamps on the floor add at most", low=0, high=255
     )
@@ -94,6 +97,12 @@ class FloorCamera:
     ) -> None:
         # Separate streams: noise is the same with and without clutter.
         for_clutter, for_light, for_glare = rng.spawn(3)
+        if settings.texture != "none":
+            # A child of a child: what is drawn of a texture changes no other stream.
+            for_texture = for_clutter.spawn(1)[0]
+            # By name: most floors have none.
+            add_texture = resolve_name("sim.floor_textures:add_texture")
+            floor = add_texture(floor, settings.texture, settings.tone, for_texture)
         littered = add_clutter(floor.scaled(settings.floor_scale), settings.clutter, for_clutter)
         lit = add_uneven_light(littered, settings.uneven_light, for_light)
         self._floor = add_glare(lit, settings.glare, for_glare)

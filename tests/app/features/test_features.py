@@ -58,6 +58,7 @@ NAMES = [
     "mapping",
     "navigation",
     "own_models",
+    "picture_odometry",
     "recordings",
     "ros",
     "weighing",

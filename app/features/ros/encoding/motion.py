@@ -36,14 +36,19 @@ LITTLE_ENDIAN = b"\x00\x01\x00\x00"
 
 
 def odometry(source: TopicSource, snapshot: Snapshot) -> Message:
-    """Dead reckoning, and the velocity from the measured wheel velocities."""
+    """Dead reckoning, and the velocity from the measured wheel velocities.
+
+    Where pictures correct it, its covariance is the measured one, which grows with the way.
+    """
     settings = source.settings
+    corrected = getattr(snapshot.added.get("picture_odometry"), "odom_covariance", None)
+    covariance = POSE_COVARIANCE if corrected is None else corrected
     twist = source.robot(snapshot).drive.twist(snapshot.reading.velocities)
     return new(
         "nav_msgs/msg/Odometry",
         header=header(source, snapshot.stamp, settings.odom_frame_id),
         child_frame_id=settings.base_frame_id,
-        pose=pose_with_covariance(snapshot.odom_from_robot, POSE_COVARIANCE),
+        pose=pose_with_covariance(snapshot.odom_from_robot, covariance),
         twist=new(
             "geometry_msgs/msg/TwistWithCovariance",
             twist=_twist(twist),

@@ -1,0 +1,57 @@
+// @ts-check
+// The floor before the robot from above, and what it says of the wheels.
+
+/** Time between two pictures [ms]. */
+const PERIOD_MS = 200;
+
+const GERMAN = document.documentElement.lang === "de";
+
+/** @type {Record<string, string>} */
+const WORDS = GERMAN
+  ? {
+      unknown: "am Boden ist nichts zu sehen",
+      rolling: "die Räder rollen",
+      stuck: "steckt fest",
+      slipping: "die Räder rutschen",
+      pushed: "wird geschoben",
+      lifted: "hochgehoben",
+    }
+  : {
+      unknown: "nothing to see on the floor",
+      rolling: "the wheels roll",
+      stuck: "stuck",
+      slipping: "the wheels slip",
+      pushed: "pushed",
+      lifted: "lifted",
+    };
+
+/**
+ * @param {HTMLElement} body
+ * @returns {{show: (telemetry: {values?: Record<string, unknown> | null}) => void}}
+ */
+export function panel(body) {
+  const picture = document.createElement("img");
+  picture.alt = GERMAN ? "Boden von oben" : "Floor from above";
+  picture.style.width = "100%";
+  const words = document.createElement("p");
+  body.append(picture, words);
+  let last = 0;
+  let loading = false;
+  picture.onload = picture.onerror = () => {
+    loading = false;
+  };
+  return {
+    show({ values }) {
+      const state = String(values?.wheels ?? "");
+      const speed = values?.floor_speed_mm_s;
+      const fast = typeof speed === "number" ? `, ${speed} mm/s` : "";
+      words.textContent = state ? `${WORDS[state] ?? state}${fast}` : "";
+      const now = performance.now();
+      if (!loading && picture.offsetParent !== null && now - last >= PERIOD_MS) {
+        loading = true;
+        last = now;
+        picture.src = `/floor.jpg?${Math.round(now)}`;
+      }
+    },
+  };
+}
