@@ -41,6 +41,7 @@ from robot.mapping.moving import moving
 from robot.mapping.redundant import without_redundant
 from robot.mapping.refinement import refined
 from robot.mapping.seen_floor import SeenFloor
+from robot.mapping.shades import shaded
 from robot.mapping.sketch import Sketch
 from robot.mapping.stroke_fitting import FINE_SPACING, SPACING, fit_stroke
 from robot.mapping.strokes import Stroke, Strokes
@@ -185,7 +186,7 @@ class Mapper:
             every = Strokes.of(self._strokes.each + more.strokes, self._width)
             tidy = tidied(without_gaps(joined(every, rays), rays), rays)
         return TapeMap(
-            tidy,
+            shaded(tidy, self._width, rays),
             more.others,
             self._strokes,
             solution,

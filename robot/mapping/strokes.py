@@ -38,6 +38,8 @@ class Stroke:
     curved: bool = False
     """Whether a cubic spline leads through the nodes; else it is a line between two."""
     closed: bool = False
+    light: bool = False
+    """Whether its tape is lighter than the floor."""
 
     @property
     def length(self) -> float:

@@ -156,7 +156,7 @@ class TapeMap:
             )
         if len(self.others):
             remarks.append(
-                f"the map is incomplete: something dark{_near(self.others)} is not in it, a "
+                f"the map is incomplete: something{_near(self.others)} is not in it, a "
                 "shadow, or tape that was seen from its end only; drive past it"
             )
         return tuple(remarks)
