@@ -41,6 +41,7 @@ export type Command =
   | TakeCommand
   | UndoCalibrationCommand
   | UndoCommand
+  | UndoEditCommand
   | UpdateCommand
   | UseFieldCommand;
 
@@ -655,6 +656,8 @@ export interface MapDrawingMessage {
   facts: string[];
   /** What is wrong with a finished map, or may be wrong. */
   remarks: string[];
+  /** How many changes of a finished map can be taken back. */
+  changes: number;
 }
 
 /** The map that is drawn by driving, or the last one. */
@@ -1246,6 +1249,15 @@ export interface UndoCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
   type: "undo";
+}
+
+/** Take back the last change of the finished map, before it is saved. */
+export interface UndoEditCommand {
+  /** Repeated in the answer. */
+  id?: number | string | null;
+  type: "undo_edit";
+  /** Of that drawing. */
+  version: number;
 }
 
 /** One number of the robot that is measured, in a unit for people. */

@@ -194,6 +194,7 @@ class Mapper:
             self._adjustment(total).step_errors(self._state),
             BareFloor.of(tidy.strokes, self._width, rays),
             SeenFloor.of(rays),
+            rays,
             overrun,
         )
 

@@ -31,6 +31,8 @@ class MapDrawing:
     """None before anything was drawn."""
     result: TapeMap | None = field(default=None, repr=False)
     """The whole map, when it is done."""
+    earlier: tuple[TapeMap, ...] = field(default=(), repr=False)
+    """The whole map before each change by hand, the first one first."""
     map_from_odom: Pose2 | None = None
     """Where odometry began in the map."""
     words: str | None = None

@@ -99,6 +99,14 @@ class JoinStrokesCommand(CommandMessage):
     """Of that drawing."""
 
 
+class UndoEditCommand(CommandMessage):
+    """Take back the last change of the finished map, before it is saved."""
+
+    type: Literal["undo_edit"]
+    version: int
+    """Of that drawing."""
+
+
 class DiscardMapCommand(CommandMessage):
     """Forget the map."""
 
@@ -143,6 +151,8 @@ class MapDrawingMessage(Message):
     """How well a finished map fits; empty before."""
     remarks: list[str]
     """What is wrong with a finished map, or may be wrong."""
+    changes: int
+    """How many changes of a finished map can be taken back."""
 
 
 MESSAGES = (MapDrawingMessage,)
