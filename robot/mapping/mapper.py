@@ -276,8 +276,9 @@ class Mapper:
         known, total = len(state.poses), len(motion.stamps)
         slip = np.vstack([state.slip, np.zeros((total - known, 2))])
         steps, _ = motion.steps(state.values, slip[:-1])
-        seen = replace(seen, tape=self._strokes.edges)
-        floor = seen.floor_points(state.values, motion.twists(state.values))
+        # Those that are mapped stay where they are.
+        seen = replace(seen.part(known, total), tape=self._strokes.edges)
+        floor = seen.floor_points(state.values, motion.twists(state.values)[known:])
         poses = np.vstack([state.poses, np.zeros((total - known, 3))])
         for k in range(known, total):
             poses[k], covariance = predicted(poses[k - 1], covariance, steps[k - 1])
@@ -285,7 +286,7 @@ class Mapper:
                 continue
             reach = np.sqrt(np.trace(covariance[:2, :2]) + AHEAD**2 * covariance[2, 2])
             gate = min(MOST_GATE, LEAST_GATE + 3 * float(reach))
-            place = seen.part(k, k + 1), floor.part(k, k + 1)
+            place = seen.part(k - known, k - known + 1), floor.part(k - known, k - known + 1)
             poses[k], covariance = laid(
                 poses[k], covariance, *place, state.values, gate, LEAST_MATCHED
             )
