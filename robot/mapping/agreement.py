@@ -42,13 +42,13 @@ class Agreement:
         """Return it of strokes of a width [m] that people made of those that were drawn."""
         edges = np.vstack([rays.entry, rays.leaving])
         edges = edges[np.isfinite(edges).all(axis=1)]
-        now, before = _on(strokes, width, edges), _on(drawn, width, edges)
-        cells, counts = np.unique(np.floor(edges[before & ~now] / CELL), axis=0, return_counts=True)
+        lie, lay = _lie_on(strokes, width, edges), _lie_on(drawn, width, edges)
+        cells, counts = np.unique(np.floor(edges[lay & ~lie] / CELL), axis=0, return_counts=True)
         lost = cells[counts >= LEAST_LOST][np.argsort(-counts[counts >= LEAST_LOST], kind="stable")]
-        return cls(float(now.sum() / max(1, before.sum())), (lost + 0.5) * CELL)
+        return cls(float(lie.sum() / max(1, lay.sum())), (lost + 0.5) * CELL)
 
 
-def _on(strokes: Sequence[Stroke], width: float, edges: Array) -> NDArray[np.bool_]:
+def _lie_on(strokes: Sequence[Stroke], width: float, edges: Array) -> NDArray[np.bool_]:
     """Return which edges (n, 2) lie on those of strokes (n,)."""
     points = np.vstack([stroke.sampled(SPACING) for stroke in strokes])
     away, _ = cKDTree(points).query(edges, distance_upper_bound=width / 2 + GATE)

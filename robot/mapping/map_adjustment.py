@@ -106,8 +106,10 @@ def _together(parts: Sequence[Misses]) -> Misses:
     first = parts[0]
     if len(parts) == 1:
         return first
-    names = [one.name for one in fields(Misses)]
-    return Misses(**{n: np.concatenate([getattr(part, n) for part in parts]) for n in names})
+    names = [column.name for column in fields(Misses)]
+    return Misses(
+        **{name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
+    )
 
 
 def moved_to_start(solution: Solution, strokes: Strokes, start: Array) -> tuple[Solution, Strokes]:
