@@ -38,7 +38,7 @@ class Exploration:
         snapshot: Snapshot,
         sketch: Sketch | None,
         map_from_odom: Pose2 | None,
-        cells: OccupancyGrid | None,
+        cells: OccupancyGrid | None = None,
     ) -> None:
         """Give the next route, if the robot explores and has come to the end of the last one.
 
