@@ -41,6 +41,7 @@ export type Command =
   | TakeCommand
   | UndoCalibrationCommand
   | UndoCommand
+  | UndoEditCommand
   | UpdateCommand
   | UseFieldCommand;
 
@@ -242,7 +243,8 @@ export interface EstimateMessage {
 
 /**
  * Drive to see the tape that the map lacks. It holds as long as drive does, and continues if
- * renewed. It ends by itself, back at its start, when all of the floor between the tape was seen.
+ * renewed. It ends by itself, back at its start, when the floor between the tape was seen, and
+ * around it as far as the robot sees.
  */
 export interface ExploreCommand {
   /** Repeated in the answer. */
@@ -680,6 +682,8 @@ export interface MapDrawingMessage {
   facts: string[];
   /** What is wrong with a finished map, or may be wrong. */
   remarks: string[];
+  /** How many changes of a finished map can be taken back. */
+  changes: number;
 }
 
 /** The map that is drawn by driving, or the last one. */
@@ -1279,6 +1283,15 @@ export interface UndoCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
   type: "undo";
+}
+
+/** Take back the last change of the finished map, before it is saved. */
+export interface UndoEditCommand {
+  /** Repeated in the answer. */
+  id?: number | string | null;
+  type: "undo_edit";
+  /** Of that drawing. */
+  version: number;
 }
 
 /** One number of the robot that is measured, in a unit for people. */

@@ -184,9 +184,7 @@ class Adjustment:
         sightings = self._sightings(state)
         equations = Equations(len(state.poses), COUNT + sightings.tape.unknowns)
         twists = self._motion.twists(state.values, state.slip)
-        floor = sightings.floor_points(state.values, twists, errors)
-        seen = misses(sightings, floor, state.poses, state.values, weights.gate)
-        equations.add_sightings(seen, weights.doubt)
+        seen = self._add_sightings(equations, sightings, twists, state, weights, errors)
         # An edge out of the gate costs as much as one at its border: else losing edges would pay.
         lost = self._counting(seen) - len(seen.residuals)
         at_gate = weights.gate / (TYPICAL_SD * weights.doubt * CAUCHY)
@@ -196,6 +194,21 @@ class Adjustment:
         equations.add_start(state.poses[0], self._start, self._start_information)
         equations.add_prior(*self._prior(state, weights))
         return equations
+
+    def _add_sightings(
+        self,
+        equations: Equations,
+        sightings: Sightings,
+        twists: Array,
+        state: DriveEstimate,
+        weights: Weights,
+        errors: Array | None,
+    ) -> Misses:
+        """Add what was seen to the equations, and return how far it is off."""
+        floor = sightings.floor_points(state.values, twists, errors)
+        seen = misses(sightings, floor, state.poses, state.values, weights.gate)
+        equations.add_sightings(seen, weights.doubt)
+        return seen
 
     def step_errors(self, state: DriveEstimate) -> Array:
         """Return how far each step is from what the wheels tell (k - 1, 3), in deviations."""

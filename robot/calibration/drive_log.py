@@ -22,6 +22,9 @@ PERIOD_S = 0.1
 EVERY = 3
 """Every third ray is used: neighbours see the same piece of edge."""
 
+BEFORE = 6.0
+"""How far before tape the floor's brightness is read, beside the blur of its edge [samples]."""
+
 LOOSE: Mapping[str, Any] = {"width_tolerance": 0.030, "straightness": 0.006, "taper": 0.030}
 """Of the scanner's limits [m]: with a camera that is 1.5 degrees askew, tape seems to be 20 mm
 wider or narrower, and its edges bent."""
@@ -44,6 +47,8 @@ class DriveLog:
     where there is bare floor. A ray that meets something where it begins tells nothing."""
     rays: Array = field(default_factory=lambda: np.zeros((0, 2, 2)), repr=False)
     """(r, 2, 2) where rays begin and end [px]."""
+    light: NDArray[np.bool_] = field(default_factory=lambda: np.zeros((0, 0), np.bool_), repr=False)
+    """(k, r) whether the tape that a ray met is lighter than the floor."""
 
     def some(self, pictures: slice | NDArray[np.intp]) -> DriveLog:
         """Return the drive with some of its pictures only."""
@@ -52,6 +57,7 @@ class DriveLog:
             stamps=self.stamps[pictures],
             pixels=self.pixels[pictures],
             first=self.first[pictures],
+            light=self.light[pictures] if self.light.size else self.light,
         )
 
     def followed_by(self, more: DriveLog) -> DriveLog:
@@ -63,6 +69,7 @@ class DriveLog:
             np.concatenate([self.wheel_angles, more.wheel_angles]),
             np.concatenate([self.first, more.first]),
             self.rays,
+            np.concatenate([self.light, more.light]),
         )
 
     def until(self, count: int) -> DriveLog:
@@ -94,7 +101,7 @@ class DriveRecorder:
         self._left_right = list(spec.axle)
         self._last = -math.inf
         """Stamp of the last picture [s]."""
-        self._pictures: list[tuple[float, Array, Array]] = []
+        self._pictures: list[tuple[float, Array, Array, NDArray[np.bool_]]] = []
         self._wheels: list[tuple[float, Array]] = []
 
     def add(self, reading: Reading, *, look: bool = True) -> Array | None:
@@ -109,24 +116,38 @@ class DriveRecorder:
         frame = reading.frame
         if frame is None or frame.stamp - self._last < PERIOD_S - 1e-6:
             return None
-        edges, first = self._edges(frame.image) if look else self._nothing()
+        edges, first, light = self._edges(frame.image) if look else self._nothing()
         self._last = frame.stamp
-        self._pictures.append((frame.stamp, edges, first))
+        self._pictures.append((frame.stamp, edges, first, light))
         return edges
 
     def edges(self, image: NDArray[np.uint8]) -> Array:
         """Return the pixels (2 r, 2) in which rays enter tape, then where they leave it; or nan."""
         return self._edges(image)[0]
 
-    def _edges(self, image: NDArray[np.uint8]) -> tuple[Array, Array]:
+    def _edges(self, image: NDArray[np.uint8]) -> tuple[Array, Array, NDArray[np.bool_]]:
         tape, first = self._scanner.tape_and_first_edges(image)
         both = [np.concatenate([self._pixels(side) for side in edges.T]) for edges in (tape, first)]
-        return both[0], both[1]
+        looks = self._scanner.looks
+        light = np.full(len(tape), looks[0].light)
+        if len(looks) > 1:
+            light = self._is_lighter(image, tape)
+        return both[0], both[1], light[EVERY // 2 :: EVERY]
 
-    def _nothing(self) -> tuple[Array, Array]:
+    def _is_lighter(self, image: NDArray[np.uint8], tape: Array) -> NDArray[np.bool_]:
+        """Return whether tape (k, 2) [samples] is lighter than the floor before it (k,)."""
+        grey = image if image.ndim == 2 else image.mean(axis=2)
+        indices = self._scanner.table.pixel_indices
+        places = np.column_stack([tape.mean(axis=1), tape[:, 0] - BEFORE])
+        places = np.clip(np.nan_to_num(places), 0, indices.shape[1] - 1).astype(np.intp)
+        inside, before = grey.ravel()[indices[np.arange(len(tape))[:, None], places]].T
+        lighter: NDArray[np.bool_] = inside > before
+        return lighter
+
+    def _nothing(self) -> tuple[Array, Array, NDArray[np.bool_]]:
         begin = self._pixels(np.zeros(len(self._scanner.table.counts)))
-        nothing = np.full_like(begin, np.nan)
-        return np.concatenate([nothing, nothing]), np.concatenate([begin, nothing])
+        nothing, dark = np.full_like(begin, np.nan), np.zeros(len(begin), np.bool_)
+        return np.concatenate([nothing, nothing]), np.concatenate([begin, nothing]), dark
 
     def _pixels(self, positions: Array) -> Array:
         return self._scanner.pixels(positions)[EVERY // 2 :: EVERY]
@@ -149,10 +170,11 @@ class DriveRecorder:
             axis=1,
         )
         return DriveLog(
-            np.array([stamp for stamp, _, _ in self._pictures]),
-            np.array([pixels for _, pixels, _ in self._pictures]).reshape(-1, 2 * len(rays), 2),
+            np.array([stamp for stamp, *_ in self._pictures]),
+            np.array([pixels for _, pixels, *_ in self._pictures]).reshape(-1, 2 * len(rays), 2),
             np.array([stamp for stamp, _ in self._wheels]),
             np.array([angles for _, angles in self._wheels]).reshape(-1, 2),
-            np.array([first for _, _, first in self._pictures]).reshape(-1, 2 * len(rays), 2),
+            np.array([first for _, _, first, _ in self._pictures]).reshape(-1, 2 * len(rays), 2),
             rays,
+            np.array([light for *_, light in self._pictures], np.bool_).reshape(-1, len(rays)),
         )

@@ -115,10 +115,11 @@ def _corners(line: Array, closed: bool, tolerance: float) -> list[float]:
         before, after = walked[:-1] > total - reach, walked[1:] < reach
         line = np.vstack([line[:-1][before], line, line[1:][after]])
         walked = np.concatenate([walked[:-1][before] - total, walked, walked[1:][after] + total])
+    sides = _Sides(line, walked, tolerance)
     candidates = [
         (rounding, place)
         for place in np.arange(0.0, total, STEP)
-        if (rounding := _rounding(line, walked, place, tolerance)) < tolerance * LONGEST_ROUNDING
+        if (rounding := _rounding(sides, place)) < tolerance * LONGEST_ROUNDING
     ]
     return sorted(_sharpest(candidates, total if closed else math.inf))
 
@@ -133,13 +134,29 @@ def _sharpest(candidates: list[tuple[float, float]], total: float) -> Iterator[f
             yield place
 
 
-def _rounding(line: Array, walked: Array, place: float, tolerance: float) -> float:
+class _Sides:
+    """Where the pieces of one line lead. Places lie closer together than its points, so most pieces
+    are asked for again and again."""
+
+    def __init__(self, line: Array, walked: Array, tolerance: float) -> None:
+        self.line, self.walked, self._tolerance = line, walked, tolerance
+        self._known: dict[tuple[int, int], _Side | None] = {}
+
+    def beside(self, away: Array) -> _Side | None:
+        """Return the side of the points that are far enough from a place, by their way (n,) [m]."""
+        chosen = np.flatnonzero((away > ROUND) & (away < ROUND + SIDE))
+        if len(chosen) < LEAST_POINTS:
+            return None
+        key = int(chosen[0]), int(chosen[-1])
+        if key not in self._known:
+            self._known[key] = _side(self.line[chosen], self._tolerance)
+        return self._known[key]
+
+
+def _rounding(sides: _Sides, place: float) -> float:
     """Return over which length before and behind a place a line turns [m]; inf if it is smooth."""
-    sides = [
-        _side(line[(away > ROUND) & (away < ROUND + SIDE)], tolerance)
-        for away in (place - walked, walked - place)
-    ]
-    before, after = sides
+    line, walked = sides.line, sides.walked
+    before, after = sides.beside(place - walked), sides.beside(walked - place)
     if before is None or after is None:
         return math.inf
     point = _between(line, walked, place)

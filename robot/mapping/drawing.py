@@ -14,6 +14,11 @@ from robot.mapping.tidying import TidyStrokes
 
 MARGIN_MM = 250
 """Floor around the tape [mm]."""
+DARK, LIGHT = "#202225", "#f2f1ec"
+"""Colours of tape that is darker, and lighter, than the floor."""
+FLOORS = {(False,): "#d7d5cf", (True,): "#3a3c40", (False, True): "#6e6e6b"}
+"""Colour of the floor by the tape that is on it: dark, light, or both. A field takes a stroke for
+tape only if it differs that much from the floor (``drawn_tape``)."""
 
 
 def drawing(tidy: TidyStrokes, width: float, start: Pose2, title: str) -> str:
@@ -30,28 +35,37 @@ def drawing(tidy: TidyStrokes, width: float, start: Pose2, title: str) -> str:
     # SVG's y points down.
     left, top, across, down = low[0], -high[1], high[0] - low[0], high[1] - low[1]
     begin = f"{1e3 * start.x:g} {1e3 * start.y:g} {np.degrees(start.theta):g}"
-    paths = "\n".join(f'    <path d="{path}"/>' for path in _paths(tidy))
+    shades = tuple(sorted({stroke.light for stroke in tidy.strokes}))
+    groups = "\n".join(_group(tidy, light, width) for light in shades)
     return f"""\
 <svg xmlns="http://www.w3.org/2000/svg" width="{across:g}mm" height="{down:g}mm" \
 viewBox="{left:g} {top:g} {across:g} {down:g}" data-start="{begin}" \
 data-tape="{1e3 * width:g}">
   <title>{escape(title)}</title>
-  <rect x="{left:g}" y="{top:g}" width="{across:g}" height="{down:g}" fill="#d7d5cf"/>
+  <rect x="{left:g}" y="{top:g}" width="{across:g}" height="{down:g}" fill="{FLOORS[shades]}"/>
   <!-- Inside, y points up as it does in the map. -->
-  <g transform="scale(1 -1)" fill="none" stroke="#202225" stroke-width="{1e3 * width:g}" \
-stroke-miterlimit="10">
-{paths}
-  </g>
+{groups}
 </svg>
 """
 
 
-def _paths(tidy: TidyStrokes) -> list[str]:
-    """Return the strokes as SVG paths; those that meet in corners are one path."""
+def _group(tidy: TidyStrokes, light: bool, width: float) -> str:
+    """Return the strokes that are light, or dark, as an SVG group."""
+    paths = "\n".join(f'    <path d="{path}"/>' for path in _paths(tidy, light))
+    return f"""\
+  <g transform="scale(1 -1)" fill="none" stroke="{LIGHT if light else DARK}" \
+stroke-width="{1e3 * width:g}" stroke-miterlimit="10">
+{paths}
+  </g>"""
+
+
+def _paths(tidy: TidyStrokes, light: bool) -> list[str]:
+    """Return strokes of one shade as SVG paths; those that meet in corners are one path."""
+    left = {number for number, stroke in enumerate(tidy.strokes) if stroke.light == light}
     follower = {}
     for a, b in tidy.corners:
-        follower[a], follower[b] = b, a
-    left = set(range(len(tidy.strokes)))
+        if a[0] in left and b[0] in left:
+            follower[a], follower[b] = b, a
     paths = []
     # Chains with an open end first: what is left then are rings.
     starts: list[EndName] = [

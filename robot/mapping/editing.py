@@ -39,7 +39,7 @@ def with_moved_end(tidy: TidyStrokes, name: EndName, place: Array) -> TidyStroke
         raise ValueError("a ring has no ends")
     nodes = stroke.nodes.copy()
     nodes[-1 if last else 0] = place
-    moved = replace(stroke, nodes=nodes)
+    moved = replace(stroke, nodes=nodes, by_hand=True)
     if math.dist(nodes[0], nodes[-1]) < SHORTEST:
         raise ValueError(f"a stroke is at least {1e3 * SHORTEST:.0f} mm long")
     strokes = (*tidy.strokes[:number], moved, *tidy.strokes[number + 1 :])
@@ -70,7 +70,7 @@ def with_joined(tidy: TidyStrokes, number: int, other: int) -> TidyStrokes:
     names = {(number, not a_last): (number, False), (other, not b_last): (number, True)}
     gone = {(number, a_last), (other, b_last)}
     strokes = list(tidy.strokes)
-    strokes[number] = join(before, after)
+    strokes[number] = replace(join(before, after), by_hand=True)
     corners = [(names.get(a, a), names.get(b, b)) for a, b in tidy.corners if not gone & {a, b}]
     freed = {end for pair in tidy.corners if gone & set(pair) for end in pair} - gone
     ends = {names.get(name, name): end for name, end in tidy.ends.items() if name not in gone}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,6 +51,8 @@ class RaysOnFloor:
     """Where it left it."""
     picture: NDArray[np.intp]
     """(n,) of which picture."""
+    light: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, np.bool_))
+    """(n,) whether the tape that it entered is lighter than the floor."""
 
     @classmethod
     def of(cls, log: DriveLog, spec: RobotSpec, state: DriveEstimate) -> RaysOnFloor:
@@ -66,10 +68,11 @@ class RaysOnFloor:
         y = state.poses[:, 1:2] + s * local[..., 0] + c * local[..., 1]
         points = np.stack([x, y], axis=-1).reshape(count, 6, rays, 2)
         picture = np.repeat(np.arange(count), rays)
+        light = log.light.ravel() if log.light.size else np.zeros(len(picture), np.bool_)
         begin, end, first, until, entry, leaving = (
             points[:, part].reshape(-1, 2) for part in range(6)
         )
-        return cls(begin, end, first, until, entry, leaving, picture)
+        return cls(begin, end, first, until, entry, leaving, picture, light)
 
 
 @dataclass(frozen=True, eq=False)

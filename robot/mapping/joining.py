@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -151,6 +152,10 @@ def is_tape_between(
 
 def join(before: Stroke, after: Stroke) -> Stroke:
     """Return one stroke along two, of which the second continues the first."""
+    return replace(_along_both(before, after), light=before.light)
+
+
+def _along_both(before: Stroke, after: Stroke) -> Stroke:
     if not before.curved and not after.curved:
         whole = fit_stroke(np.vstack([_short_of(after, _samples(before), before), _samples(after)]))
         return after if whole is None else whole

@@ -8,11 +8,14 @@ and afterwards all of it is moved, as it is, to where it began.
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import fields, replace
 
 import numpy as np
 
 from robot.calibration.adjustment import Adjustment, DriveEstimate, Solution, Weights, residual_sd
+from robot.calibration.misses import Misses, misses
+from robot.calibration.normal_equations import Equations
 from robot.calibration.sightings import Sightings
 from robot.calibration.wheel_motion import WheelMotion
 from robot.description.unknowns import COUNT
@@ -30,6 +33,10 @@ few pictures may tell little of one node."""
 LEAST_FACTOR = 0.5
 """Errors of the camera do not shrink with the picture's noise: the deviations that were expected
 are lowered to this share at most."""
+AT_A_TIME = 256
+"""Pictures whose derivatives are kept at a time: half a minute of a drive, and 25 MB."""
+DERIVATIVES = ("by_pose", "by_unknowns", "map_unknowns", "by_map", "by_pixel")
+"""What a long drive has no memory for."""
 CURVE_SD = 0.0004
 """Standard deviation of an edge that bends, beside the noise [m]: it is found as if it were
 straight over some centimetres, in all pictures alike."""
@@ -53,6 +60,29 @@ class MapAdjustment(Adjustment):
     def _sightings(self, state: DriveEstimate) -> Sightings:
         return replace(self._seen, tape=self._strokes.moved_by(state.map).edges)
 
+    def _add_sightings(
+        self,
+        equations: Equations,
+        sightings: Sightings,
+        twists: Array,
+        state: DriveEstimate,
+        weights: Weights,
+        errors: Array | None,
+    ) -> Misses:
+        """Add some pictures at a time: their derivatives are forgotten once they are added."""
+        parts = []
+        for first in range(0, len(state.poses), AT_A_TIME):
+            some = slice(first, first + AT_A_TIME)
+            own = None if errors is None else errors[some]
+            part = sightings.part(some.start, some.stop)
+            floor = part.floor_points(state.values, twists[some], own)
+            seen = misses(part, floor, state.poses[some], state.values, weights.gate)
+            seen = replace(seen, picture=seen.picture + first)
+            equations.add_sightings(seen, weights.doubt)
+            parts.append(_without_derivatives(seen))
+        equations.misses = _together(parts)
+        return equations.misses
+
     def _prior(self, state: DriveEstimate, weights: Weights) -> tuple[Array, Array]:
         robot, information = super()._prior(state, weights)
         size = COUNT + len(state.map)
@@ -62,6 +92,26 @@ class MapAdjustment(Adjustment):
         bends = self._strokes.bends
         whole[COUNT:, COUNT:] += bends.T @ bends / BEND_SD**2
         return np.concatenate([robot, state.map]), whole
+
+
+def _without_derivatives(seen: Misses) -> Misses:
+    return replace(
+        seen,
+        **{name: getattr(seen, name)[:0] for name in DERIVATIVES},
+        seen_at=seen.seen_at.copy(),
+        ends=seen.ends.copy(),
+    )
+
+
+def _together(parts: Sequence[Misses]) -> Misses:
+    """Return the misses of parts of a drive as those of the whole drive."""
+    first = parts[0]
+    if len(parts) == 1:
+        return first
+    names = [column.name for column in fields(Misses)]
+    return Misses(
+        **{name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
+    )
 
 
 def moved_to_start(solution: Solution, strokes: Strokes, start: Array) -> tuple[Solution, Strokes]:

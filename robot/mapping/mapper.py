@@ -41,6 +41,7 @@ from robot.mapping.moving import moving
 from robot.mapping.redundant import without_redundant
 from robot.mapping.refinement import refined
 from robot.mapping.seen_floor import SeenFloor
+from robot.mapping.shades import shaded
 from robot.mapping.sketch import Sketch
 from robot.mapping.stroke_fitting import FINE_SPACING, SPACING, fit_stroke
 from robot.mapping.strokes import Stroke, Strokes
@@ -185,7 +186,7 @@ class Mapper:
             every = Strokes.of(self._strokes.each + more.strokes, self._width)
             tidy = tidied(without_gaps(joined(every, rays), rays), rays)
         return TapeMap(
-            tidy,
+            shaded(tidy, self._width, rays),
             more.others,
             self._strokes,
             solution,
@@ -193,6 +194,7 @@ class Mapper:
             self._adjustment(total).step_errors(self._state),
             BareFloor.of(tidy.strokes, self._width, rays),
             SeenFloor.of(rays),
+            rays,
             overrun,
         )
 
@@ -274,8 +276,9 @@ class Mapper:
         known, total = len(state.poses), len(motion.stamps)
         slip = np.vstack([state.slip, np.zeros((total - known, 2))])
         steps, _ = motion.steps(state.values, slip[:-1])
-        seen = replace(seen, tape=self._strokes.edges)
-        floor = seen.floor_points(state.values, motion.twists(state.values))
+        # Those that are mapped stay where they are.
+        seen = replace(seen.part(known, total), tape=self._strokes.edges)
+        floor = seen.floor_points(state.values, motion.twists(state.values)[known:])
         poses = np.vstack([state.poses, np.zeros((total - known, 3))])
         for k in range(known, total):
             poses[k], covariance = predicted(poses[k - 1], covariance, steps[k - 1])
@@ -283,7 +286,7 @@ class Mapper:
                 continue
             reach = np.sqrt(np.trace(covariance[:2, :2]) + AHEAD**2 * covariance[2, 2])
             gate = min(MOST_GATE, LEAST_GATE + 3 * float(reach))
-            place = seen.part(k, k + 1), floor.part(k, k + 1)
+            place = seen.part(k - known, k - known + 1), floor.part(k - known, k - known + 1)
             poses[k], covariance = laid(
                 poses[k], covariance, *place, state.values, gate, LEAST_MATCHED
             )

@@ -38,6 +38,10 @@ class Stroke:
     curved: bool = False
     """Whether a cubic spline leads through the nodes; else it is a line between two."""
     closed: bool = False
+    light: bool = False
+    """Whether its tape is lighter than the floor."""
+    by_hand: bool = False
+    """Whether a person has put an end of it where it is, or joined it."""
 
     @property
     def length(self) -> float:
@@ -48,6 +52,12 @@ class Stroke:
     def points(self) -> Array:
         """(m, 2) along the stroke, close together where it bends; a closed one comes back."""
         return self.weights @ self.nodes
+
+    def sampled(self, spacing: float) -> Array:
+        """Return points (m, 2) along the stroke, about a distance apart [m]."""
+        walked = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(self.points, axis=0).T))])
+        places = np.linspace(0.0, walked[-1], 2 + round(walked[-1] / spacing))
+        return np.column_stack([np.interp(places, walked, axis) for axis in self.points.T])
 
     @cached_property
     def knots(self) -> Array:

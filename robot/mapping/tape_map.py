@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -11,8 +12,10 @@ from robot.calibration.adjustment import Solution, residual_sd
 from robot.errors import BrickPoseError
 from robot.fields.occupancy_grid import OccupancyGrid
 from robot.geometry import Array, Pose2
+from robot.mapping.agreement import Agreement
 from robot.mapping.crossings import BareFloor
 from robot.mapping.drawing import drawing
+from robot.mapping.ends import RaysOnFloor
 from robot.mapping.map_adjustment import node_sd
 from robot.mapping.pushed import moved_at, push_remark
 from robot.mapping.seen_floor import SeenFloor, occupancy
@@ -55,9 +58,35 @@ class TapeMap:
     """Where bare floor was seen instead of the map's tape."""
     seen: SeenFloor = field(repr=False)
     """Where the camera has looked."""
+    rays: RaysOnFloor = field(repr=False)
+    """All rays of the drive."""
     overrun: Mapping[str, float] = field(default_factory=dict)
     """Unknowns of a robot that was calibrated along with the map, by name, which the drive has at
     values that no robot built by hand has, as multiples of the standard deviations of such."""
+
+    drawn: TidyStrokes | None = None
+    """The tape as it was drawn, if people have changed it since."""
+
+    def edited(self, tidy: TidyStrokes) -> TapeMap:
+        """Return the map with strokes that people have changed, and what the drive says of them."""
+        bare = BareFloor.of(tidy.strokes, self.measured.width, self.rays)
+        return replace(self, tidy=tidy, bare=bare, drawn=self.drawn or self.tidy)
+
+    @cached_property
+    def agreement(self) -> Agreement | None:
+        """How the edges that were seen lie on a map that people have changed; None if nobody has.
+
+        Of one as it was drawn, the adjustment knows it (``solution``)."""
+        if self.drawn is None:
+            return None
+        width = self.measured.width
+        return Agreement.of(self.tidy.strokes, self.drawn.strokes, width, self.rays)
+
+    @property
+    def share(self) -> float:
+        """Of the edges that were seen, the ones that lie on the map."""
+        changed = 1.0 if self.agreement is None else self.agreement.share
+        return min(1.0, self.solution.share * changed)
 
     @property
     def length(self) -> float:
@@ -89,7 +118,7 @@ class TapeMap:
 
     @property
     def _edges_lie_on_it(self) -> bool:
-        return self.solution.share >= LEAST_SHARE and self.residual <= MOST_RESIDUAL
+        return self.share >= LEAST_SHARE and self.residual <= MOST_RESIDUAL
 
     @property
     def fits(self) -> bool:
@@ -111,12 +140,17 @@ class TapeMap:
     def facts(self) -> tuple[str, ...]:
         """The report: what was drawn, and how well."""
         count, corners = len(self.tidy.strokes), len(self.tidy.corners)
-        share = 100 * self.solution.share
+        share = 100 * self.share
         median, largest = 1.96e3 * np.median(self.node_sd), 1.96e3 * self.node_sd.max()
+        fit = (
+            f"{share:.0f} % of the edges that were seen lie on it, {self.residual:.2f} times as "
+            "far off as expected"
+        )
+        if self.drawn is not None:
+            fit = f"{share:.0f} % of the edges that were seen lie on it, as it was changed by hand"
         return (
             f"{count} strokes of tape, {self.length:.2f} m, with {corners} corners",
-            f"{share:.0f} % of the edges that were seen lie on it, {self.residual:.2f} times as "
-            "far off as expected",
+            fit,
             f"its tape is uncertain by {median:.1f} mm (95 %, median), and by {largest:.1f} mm at "
             "most",
         )
@@ -124,15 +158,15 @@ class TapeMap:
     @property
     def remarks(self) -> tuple[str, ...]:
         """What is wrong with the map, or may be wrong."""
-        remarks = list(self._doubts)
+        remarks = [*self._doubts, *self._by_hand]
         if self.bare.is_lost:
             remarks.append(
                 f"{100 * self.bare.share:.0f} % of the rays across its tape saw bare floor there"
-                f"{_near(self.bare.places)}: the path was lost; drive so that tape stays in sight"
+                f"{near(self.bare.places)}: the path was lost; drive so that tape stays in sight"
             )
         elif self.bare.contradicts:
             remarks.append(
-                f"its tape{_near(self.bare.places)} may not be there: many rays across it saw bare "
+                f"its tape{near(self.bare.places)} may not be there: many rays across it saw bare "
                 "floor; drive past it once more, or delete it"
             )
         largest = float(1.96 * self.node_sd.max())
@@ -146,7 +180,7 @@ class TapeMap:
         unseen = len(self.unseen_ends)
         if unseen:
             remarks.append(
-                f"the map is incomplete: {unseen} ends of tape{_near(self.unseen_ends)} were not "
+                f"the map is incomplete: {unseen} ends of tape{near(self.unseen_ends)} were not "
                 "seen; drive toward them, and where the tape goes on"
             )
         if steadiness(self.tidy.strokes) < LEAST_STEADINESS:
@@ -156,17 +190,29 @@ class TapeMap:
             )
         if len(self.others):
             remarks.append(
-                f"the map is incomplete: something dark{_near(self.others)} is not in it, a "
+                f"the map is incomplete: something{near(self.others)} is not in it, a "
                 "shadow, or tape that was seen from its end only; drive past it"
             )
         return tuple(remarks)
+
+    @property
+    def _by_hand(self) -> Iterator[str]:
+        """Yield what is to be said of changes by hand."""
+        if self.agreement is not None and len(self.agreement.lost):
+            yield f"tape that was seen{near(self.agreement.lost)} is not in the map any more"
+        changed = sum(stroke.by_hand for stroke in self.tidy.strokes)
+        if changed:
+            yield (
+                f"{changed} of its strokes were moved or joined by hand: the intervals are not of "
+                "what was changed"
+            )
 
     @property
     def _doubts(self) -> Iterator[str]:
         """Yield what the adjustment says against itself."""
         if not self._edges_lie_on_it:
             yield (
-                f"the map does not fit: {100 * self.solution.share:.0f} % of the edges that were "
+                f"the map does not fit: {100 * self.share:.0f} % of the edges that were "
                 f"seen lie on it, {self.residual:.1f} times as far off as expected"
             )
         if not self.solution.converged:
@@ -214,7 +260,7 @@ def steadiness(strokes: Sequence[Stroke]) -> float:
     return float(max(0.0, values[0]) / values[-1])
 
 
-def _near(places: Array) -> str:
+def near(places: Array) -> str:
     """Return the first of some places (n, 2) as text; empty without places."""
     some = ", ".join(f"({x:.2f}, {y:.2f}) m" for x, y in places[:MOST_PLACES])
     return f" at {some}" if some else ""

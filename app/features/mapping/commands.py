@@ -18,6 +18,7 @@ from app.features.mapping.messages import (
     RouteCommand,
     SaveMapCommand,
     StartMapCommand,
+    UndoEditCommand,
 )
 from robot.driving.route import Route
 from robot.errors import CommandError
@@ -66,6 +67,10 @@ def _join_strokes(request: Request[JoinStrokesCommand]) -> None:
     request.part(DRAWER).join_strokes(command.stroke, command.other, command.version)
 
 
+def _undo(request: Request[UndoEditCommand]) -> None:
+    request.part(DRAWER).undo_edit(request.command.version)
+
+
 def _save(request: Request[SaveMapCommand]) -> None:
     request.part(SAVER).save(request.driver, request.command)
 
@@ -103,6 +108,7 @@ COMMANDS = (
     CommandRow(DeleteStrokeCommand, act=_delete_stroke, allowed=require_drivable, slow=True),
     CommandRow(MoveEndCommand, act=_move_end, allowed=require_drivable, slow=True),
     CommandRow(JoinStrokesCommand, act=_join_strokes, allowed=require_drivable, slow=True),
+    CommandRow(UndoEditCommand, act=_undo, allowed=require_drivable, slow=True),
     CommandRow(SaveMapCommand, act=_save, allowed=require_drivable, slow=True),
     CommandRow(DiscardMapCommand, act=_discard, allowed=require_drivable, slow=True),
 )

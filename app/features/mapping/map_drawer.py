@@ -11,7 +11,6 @@ import re
 import threading
 from collections.abc import Callable
 from concurrent.futures import Future
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -209,12 +208,38 @@ class MapDrawer:
                         f"there is no stroke {number}; valid is 0 to {len(strokes) - 1}"
                     )
             try:
-                changed = replace(drawn, tidy=change(drawn.tidy))
+                changed = drawn.edited(change(drawn.tidy))
             except ValueError as error:
                 raise CommandError(str(error)) from error
-            self._shown.change(
-                changed.cells(self._side), result=changed, version=version + 1, saved=False
-            )
+            self._show(changed, (*drawing.earlier, drawn))
+
+    def undo_edit(self, version: int) -> None:
+        """Take back the last change of the finished map.
+
+        Raises:
+            CommandError: nothing was changed, or the map is another one by now.
+        """
+        with self._lock:
+            self._done()
+            drawing = self.drawing
+            assert drawing is not None  # it is done
+            if version != drawing.version:
+                raise CommandError("the map has changed meanwhile; look again")
+            if not drawing.earlier:
+                raise CommandError("nothing of the map was changed; there is nothing to take back")
+            self._show(drawing.earlier[-1], drawing.earlier[:-1])
+
+    def _show(self, result: TapeMap, earlier: tuple[TapeMap, ...]) -> None:
+        """Show the finished map as it is after a change, and what it was before each."""
+        drawing = self.drawing
+        assert drawing is not None  # it is done
+        self._shown.change(
+            result.cells(self._side),
+            result=result,
+            earlier=earlier,
+            version=drawing.version + 1,
+            saved=False,
+        )
 
     def save(self, name: str, folder: Path) -> Path:
         """Write the map to a folder, under a new name; return the drawing's file.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from bisect import bisect_left
 from concurrent.futures import Future
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -25,6 +25,8 @@ from robot.scanning.tape import Tape
 
 FEWEST_EDGES = 4
 """A picture shows tape if at least this many rays met it."""
+SHADES = {False: "dark", True: "light"}
+"""Names of what a scanner searches for, by whether it is lighter than the floor."""
 
 
 @dataclass(frozen=True)
@@ -62,12 +64,13 @@ class MappedDrive:
     def __init__(self, program: Program, first: Snapshot, process: WorkerProcess) -> None:
         """Begin at the first tick, which is added later, and start the process that draws."""
         self._spec = first.spec
-        width = program.engine.scanner.main_width
+        scanner = program.engine.scanner
+        width = scanner.main_width
         self._process = process
         give_way(process)
-        self._recorder = DriveRecorder(
-            self._spec, program.config.scanner, (Tape(width),), calibrated=True
-        )
+        shade = "either" if len(scanner.looks) > 1 else SHADES[scanner.looks[0].light]
+        settings = replace(program.config.scanner, tape_brightness=shade, tape_width=width)
+        self._recorder = DriveRecorder(self._spec, settings, (Tape(width),), calibrated=True)
         side = program.config.ros2.map_resolution
         process.submit(_begin, Drawer(self._spec, width, start_of(first), side))
         self._stamps: list[float] = []

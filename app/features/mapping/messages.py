@@ -34,7 +34,7 @@ class ExploreCommand(CommandMessage):
     """Drive to see the tape that the map lacks.
 
     It holds as long as drive does, and continues if renewed. It ends by itself, back at
-    its start, when all of the floor between the tape was seen.
+    its start, when the floor between the tape was seen, and around it as far as the robot sees.
     """
 
     type: Literal["explore"]
@@ -99,6 +99,14 @@ class JoinStrokesCommand(CommandMessage):
     """Of that drawing."""
 
 
+class UndoEditCommand(CommandMessage):
+    """Take back the last change of the finished map, before it is saved."""
+
+    type: Literal["undo_edit"]
+    version: int
+    """Of that drawing."""
+
+
 class DiscardMapCommand(CommandMessage):
     """Forget the map."""
 
@@ -143,6 +151,8 @@ class MapDrawingMessage(Message):
     """How well a finished map fits; empty before."""
     remarks: list[str]
     """What is wrong with a finished map, or may be wrong."""
+    changes: int
+    """How many changes of a finished map can be taken back."""
 
 
 MESSAGES = (MapDrawingMessage,)

@@ -80,7 +80,14 @@ def drawing_message(drawing: MapDrawing | None) -> MapDrawingMessage:
     sketch = None if drawing is None else drawing.sketch
     if drawing is None or sketch is None:
         return MapDrawingMessage(
-            version=0, strokes=[], path=[], edges=[], unseen_ends=[], facts=[], remarks=[]
+            version=0,
+            strokes=[],
+            path=[],
+            edges=[],
+            unseen_ends=[],
+            facts=[],
+            remarks=[],
+            changes=0,
         )
     return MapDrawingMessage(
         version=drawing.version,
@@ -90,6 +97,7 @@ def drawing_message(drawing: MapDrawing | None) -> MapDrawingMessage:
         unseen_ends=[],
         facts=[],
         remarks=[],
+        changes=0,
     )
 
 
@@ -107,6 +115,7 @@ def _finished(drawn: TapeMap, drawing: MapDrawing) -> MapDrawingMessage:
         unseen_ends=_points(drawn.unseen_ends),
         facts=list(drawn.facts),
         remarks=list(drawn.remarks),
+        changes=len(drawing.earlier),
     )
 
 

@@ -31,6 +31,7 @@ export class MappingPanel {
   #start = findButton("mapping-start");
   #explore = findButton("mapping-explore");
   #finish = findButton("mapping-finish");
+  #undo = findButton("mapping-undo");
   #discard = findButton("mapping-discard");
   #file = find("mapping-file", HTMLAnchorElement);
   /** What the page's drawing was loaded for; empty without one. @type {string | null} */
@@ -64,6 +65,7 @@ export class MappingPanel {
       this.#explores.end();
       order({ type: "finish_map" });
     };
+    this.#undo.onclick = () => this.#drawing && order({ type: "undo_edit", version: this.#drawing.version });
     this.#discard.onclick = () => order({ type: "discard_map" });
     this.#save.onsubmit = (event) => this.#keep(event);
     connection.onState((state) => state !== "open" && (this.#loaded = null));
@@ -86,6 +88,7 @@ export class MappingPanel {
     setText(this.#explore, this.#explores.mine ? t("Stop exploring") : t("Explore"));
     this.#finish.hidden = state !== "draw";
     this.#finish.disabled = (map?.version ?? 0) === 0;
+    this.#undo.hidden = state !== "done" || !this.#drawing?.changes;
     this.#discard.hidden = map === null;
     this.#save.hidden = this.#file.hidden = state !== "done";
     this.#remarks.hidden = this.#strokes.hidden = state !== "done";

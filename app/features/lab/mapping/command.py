@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -29,6 +30,9 @@ from robot.mapping.tape_map import MappingError, TapeMap
 from robot.scanning.tape import Tape
 from robot.settings import SettingError
 
+MOST_MET = 2000
+"""Once rays met so many edges, the shade of tape that they met more often is the floor's."""
+
 
 def map_recording(
     recording: Path,
@@ -39,6 +43,7 @@ def map_recording(
     profile: Path | None,
     *,
     force: bool = False,
+    brightness: str | None = None,
 ) -> int:
     """Run the command; return 0, or 1 if the map does not fit what was seen.
 
@@ -50,6 +55,7 @@ def map_recording(
         report: the page to write; None is beside the drawing.
         profile: calibrates the robot along with the map, and writes its profile; or None.
         force: whether files of an earlier map may be overwritten.
+        brightness: of the tape, as ``read_drive``.
 
     Raises:
         MappingError, CalibrationError: the drive does not tell what the floor is like.
@@ -67,7 +73,7 @@ def map_recording(
     require_writable(out, page, *([profile] if profile else []))
     if not force:
         require_new(*written_for(out), page)
-    log, spec = read_drive(recording, width, calibrated=not calibrate)
+    log, spec = read_drive(recording, width, brightness, calibrated=not calibrate)
     if profile is not None:
         profile_before(profile, spec)  # another robot's is not overwritten
     mapper = Mapper(log, spec, width, Pose2(*start), calibrate=calibrate)
@@ -99,9 +105,16 @@ def profile_of_map(drawn: TapeMap, spec: RobotSpec, source: str) -> Profile:
 
 
 def read_drive(
-    recording: Path, width: float, *, calibrated: bool = True
+    recording: Path, width: float, brightness: str | None = None, *, calibrated: bool = True
 ) -> tuple[DriveLog, RobotSpec]:
     """Return the drive in a recording, and its robot, with its calibration or without.
+
+    Args:
+        recording: the drive.
+        width: of the tape [m].
+        brightness: ``dark``, ``light`` or ``either`` than the floor; None is what the recording's
+            scanner is set to, or, if that goes by its field, the one that pictures show.
+        calibrated: whether the robot is as its profile says.
 
     Raises:
         RecordingError: the file cannot be used.
@@ -109,20 +122,34 @@ def read_drive(
     """
     program = open_replay(recording, ReplayOptions())
     spec = program.robot.spec if calibrated else program.robot.spec.uncalibrated
-    recorder = DriveRecorder(spec, program.config.scanner, (Tape(width),), calibrated=calibrated)
-    pictures = 0
+    brightness = brightness or program.config.scanner.tape_brightness
+    shades = ("dark", "light") if brightness == "field" else (brightness,)
+    recorders = [
+        DriveRecorder(
+            spec,
+            replace(program.config.scanner, tape_brightness=shade, tape_width=width),
+            (Tape(width),),
+            calibrated=calibrated,
+        )
+        for shade in shades
+    ]
+    met, pictures = np.zeros(len(shades)), 0
     try:
         while True:
             reading = program.robot.read()
             pictures += reading.frame is not None
-            recorder.add(reading)
+            for place, recorder in enumerate(recorders):
+                edges = recorder.add(reading)
+                met[place] += 0 if edges is None else np.isfinite(edges[:, 0]).sum()
+            if len(recorders) > 1 and met.max() > MOST_MET:
+                recorders, met = [recorders[int(met.argmax())]], np.zeros(1)
     except RobotError:
         pass  # the recording is over
     finally:
         program.robot.close()
     if not pictures:
         raise MappingError(f"{recording} has no pictures; a map needs them, and the wheels' turns")
-    return recorder.log, spec
+    return recorders[int(met.argmax())].log, spec
 
 
 def _silent(seconds: float) -> None:

@@ -25,7 +25,7 @@ def map_report(drawn: TapeMap, source: str) -> str:
         corners=len(drawn.tidy.corners),
         length=drawn.length,
         seconds=drawn.stamps[-1] - drawn.stamps[0],
-        share=solution.share,
+        share=drawn.share,
         residual=drawn.residual,
         sd=float(np.median(drawn.node_sd)),
         largest_sd=float(drawn.node_sd.max()),

@@ -8,6 +8,7 @@ from pathlib import Path
 from app.command_parser import CommandParser
 from app.features.lab.localize.options import add_topics
 from app.interruption import interruptible
+from robot.scanning.tape import BRIGHTNESS
 
 METHODS = ("strokes", "graph", "grid")
 
@@ -65,6 +66,13 @@ def add_map_command(command: CommandParser) -> None:
         "--width", type=float, default=0.05, metavar="M", help="of the tape (default: %(default)s)"
     )
     command.add_argument(
+        "--brightness",
+        choices=[choice for choice in BRIGHTNESS if choice != "field"],
+        default=None,
+        help="of the tape, beside the floor's (default: as the recording's scanner is set, or what "
+        "the pictures show)",
+    )
+    command.add_argument(
         "--report",
         type=Path,
         default=None,
@@ -107,4 +115,5 @@ def _map(parsed: argparse.Namespace) -> int:
             parsed.report,
             parsed.calibrate,
             force=parsed.force,
+            brightness=parsed.brightness,
         )

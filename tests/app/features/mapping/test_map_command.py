@@ -30,8 +30,8 @@ def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return lap(tmp_path_factory.mktemp("lap"), 61, 16.5)
 
 
-def lap(folder: Path, seed: int, seconds: float) -> Path:
-    program = build_program(Config(robot="sim", seed=seed))
+def lap(folder: Path, seed: int, seconds: float, **settings: str) -> Path:
+    program = build_program(Config(robot="sim", seed=seed, **settings))
     try:
         made, _, _ = record(program, folder, seconds, EIGHT)
     finally:
@@ -65,6 +65,16 @@ def test_a_recorded_drive_becomes_a_field_to_localize_in(
     assert last.pose is not None
     assert last.reading.truth is not None
     assert last.pose.distance_to(last.reading.truth) < 0.002
+
+
+def test_white_tape_is_found_and_drawn_white(tmp_path: Path) -> None:
+    text = Path("maps/square.svg").read_text("utf-8")
+    floor, out = tmp_path / "white.svg", tmp_path / "drawn.svg"
+    floor.write_text(text.replace("#202225", "#f2f2ee").replace("#d7d5cf", "#33363a"), "utf-8")
+    made = lap(tmp_path, 63, 6.0, map=str(floor))
+    assert main(["map", str(made), "--out", str(out)]) == 0
+    assert [kind.light for kind in load_field(str(out), tmp_path).tape] == [True]
+    assert main(["map", str(made), "--out", str(out), "--force", "--brightness", "dark"]) == 1
 
 
 def test_a_clock_that_does_not_exist_is_refused(tmp_path: Path, capsys) -> None:

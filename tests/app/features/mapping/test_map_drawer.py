@@ -105,6 +105,43 @@ def test_a_stroke_that_is_deleted_is_not_in_the_map(mapped, tmp_path):
     drawer._shown.now = before
 
 
+def test_what_is_said_of_a_map_is_of_the_map_as_it_was_changed(mapped):
+    drawer, before = mapped.drawer, mapped.drawer.drawing
+    drawer.delete_stroke(1, before.version)
+    message = drawing_message(drawer.drawing)
+    (remark,) = message.remarks
+    assert remark.startswith("tape that was seen at")
+    share = drawer.drawing.result.share
+    assert 0.6 < share < 0.9
+    assert f"{100 * share:.0f} % of the edges" in message.facts[1]
+    assert message.changes == 1
+    # An end that is put 120 mm farther in leaves tape out, and nobody measured where it is.
+    drawer.undo_edit(before.version + 1)
+    place, other = (np.array(drawing_message(before).strokes[0].points[k]) for k in (0, -1))
+    moved = place + 0.12 * (other - place) / np.linalg.norm(other - place)
+    drawer.move_end(0, False, tuple(moved), before.version + 2)
+    words = drawing_message(drawer.drawing).remarks
+    assert any("not in the map any more" in line for line in words)
+    assert any("by hand" in line for line in words)
+    drawer._shown.now = before
+
+
+def test_changes_are_taken_back_one_by_one(mapped):
+    drawer, before = mapped.drawer, mapped.drawer.drawing
+    with pytest.raises(CommandError, match="nothing of the map was changed"):
+        drawer.undo_edit(before.version)
+    drawer.delete_stroke(1, before.version)
+    drawer.delete_stroke(0, before.version + 1)
+    for changes in (1, 0):
+        drawer.undo_edit(drawer.drawing.version)
+        assert drawing_message(drawer.drawing).changes == changes
+    assert drawer.drawing.result is before.result
+    with pytest.raises(CommandError, match="changed meanwhile"):
+        drawer.undo_edit(before.version)
+    assert not drawer.drawing.saved
+    drawer._shown.now = before
+
+
 def test_a_finished_map_is_not_lost_before_it_is_saved(mapped, tmp_path):
     drawer, before = mapped.drawer, replace(mapped.drawer.drawing, saved=False)
     drawer._shown.now = before

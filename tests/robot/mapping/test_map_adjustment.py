@@ -1,0 +1,40 @@
+"""A long drive is adjusted in parts, which add up to the whole of it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from calibrations import SPEC, driven
+from mappings import WIDTH, eight, mapped
+
+from robot.calibration.adjustment import Weights
+from robot.calibration.wheel_motion import WheelMotion
+from robot.mapping import map_adjustment
+from robot.mapping.map_adjustment import DERIVATIVES, MapAdjustment
+from robot.mapping.mapper import LOOSE_SD, Mapper
+
+
+@pytest.mark.slow
+def test_the_parts_of_a_drive_add_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    drawn, _ = mapped("square", 60100)
+    log, *_ = driven("default", 60100, 16.5, eight, "square", calibrated=True, steer=None)
+    mapper = Mapper(log, SPEC, WIDTH)
+    motion = WheelMotion.of(mapper._log, SPEC)
+    seen, start = mapper._seen, drawn.solution.state.poses[0]
+    adjustment = MapAdjustment(seen, motion, drawn.measured, start, np.diag(LOOSE_SD**2))
+    state = replace(drawn.solution.state, map=drawn.measured.offsets)
+    count = len(state.poses)
+    found = []
+    for size in (count, 17):
+        monkeypatch.setattr(map_adjustment, "AT_A_TIME", size)
+        first = adjustment._equations(state, Weights(), None)
+        second = adjustment._equations(state, Weights(), first.misses.pixels)
+        found.append((second, *second.solve()))
+    (whole, *steps), (parts, *others) = found
+    assert parts.cost == pytest.approx(whole.cost, rel=1e-12)
+    for step, other in zip(steps, others, strict=True):
+        np.testing.assert_array_equal(step, other)
+    assert len(whole.misses.residuals) > 10 * count
+    for name in vars(whole.misses):
+        np.testing.assert_array_equal(getattr(whole.misses, name), getattr(parts.misses, name))
+    assert all(not len(getattr(parts.misses, name)) for name in DERIVATIVES)
