@@ -4,18 +4,24 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import shapely
+
 from app.engine.command_row import CommandRow, Part, Repeat, Request, TickContext
 from app.engine.driving_commands import require_drivable
 from app.engine.program import Program
 from app.features.navigation.journey import RENEWAL, Journey
-from app.features.navigation.messages import CancelCommand, NavigateCommand
+from app.features.navigation.messages import CancelCommand, NavigateCommand, SetWallsCommand
+from app.features.navigation.walls import WALLS, polygons, walls_in
 from robot.errors import CommandError
 from robot.fields.field import Field
 from robot.geometry import Pose2
+from robot.navigation.walls import Walls
 
 if TYPE_CHECKING:
     from app.features.navigation.keeper import JourneyKeeper
 
+SMALLEST_M2 = 1e-6
+"""A smaller keep-out zone is a slip of the hand [m^2]."""
 KEEPER: Part[JourneyKeeper] = Part("navigation")
 
 
@@ -45,6 +51,32 @@ def _cancel(tick: TickContext[CancelCommand]) -> None:
     if isinstance(journey, Journey) and (before is None or journey.began < before):
         journey.helm.canceled = True
         driving.stop()
+
+
+def _set_walls(tick: TickContext[SetWallsCommand]) -> None:
+    command, controls = tick.command, tick.controls
+    before = walls_in(controls.kept)
+    zones = before.zones if command.zones is None else polygons(command.zones)
+    said = Walls(command.tape or before.tape, zones, controls.stamp)
+    if (said.tape, said.zones) != (before.tape, before.zones):
+        controls.kept[WALLS] = said
+
+
+def _check_walls(command: SetWallsCommand, field: Field) -> None:
+    """Refuse zones that are no areas, and such as are not on the floor."""
+    for zone in command.zones or ():
+        area = shapely.Polygon(zone)
+        xmin, ymin, xmax, ymax = field.extent
+        if not area.is_valid or area.area < SMALLEST_M2:
+            raise CommandError(
+                "a keep-out zone crosses itself, or is no area; valid are three corners or more, "
+                "in their order around it"
+            )
+        if not area.intersects(shapely.box(xmin, ymin, xmax, ymax)):
+            raise CommandError(
+                f"a keep-out zone is beyond the field; valid is x {xmin:.3f} to {xmax:.3f}, "
+                f"y {ymin:.3f} to {ymax:.3f} m"
+            )
 
 
 def _check(command: NavigateCommand, program: Program) -> None:
@@ -81,4 +113,11 @@ COMMANDS = (
         drives=True,
     ),
     CommandRow(CancelCommand, _cancel, Repeat.RECORDED, allowed=require_drivable),
+    CommandRow(
+        SetWallsCommand,
+        _set_walls,
+        Repeat.RECORDED,
+        allowed=require_drivable,
+        check_field=_check_walls,
+    ),
 )
