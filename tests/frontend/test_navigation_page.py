@@ -47,6 +47,41 @@ def test_a_drag_on_the_map_sends_the_robot_there_and_it_arrives(page, server):
     assert abs(truth["theta"] - math.pi / 2) < 0.05
 
 
+def choose(page, name):
+    page.locator("#planning").get_by_role("button", name=name, exact=True).click()
+
+
+def test_several_goals_are_pressed_and_driven_to(page, server):
+    page.get_by_role("button", name="go to", exact=True).first.click()
+    choose(page, "several")
+    for place in ((0.1, 0.1), (-0.1, 0.1), (-0.1, -0.1)):
+        drag(page, place, place)
+    choose(page, "take back")
+    choose(page, "drive to 2 goals")
+    expect(page.locator("#journey-text")).to_contain_text("goal 1 of 2")
+    expect(page.locator("#journey-text")).to_contain_text("goal 2 of 2")
+    expect(page.locator("#journey-text")).to_have_text("goal: arrived")
+    truth = page.evaluate("() => window.brickpose.telemetry.truth")
+    assert math.dist((truth["x"], truth["y"]), (-0.1, 0.1)) < 0.008
+
+
+def test_a_zone_is_drawn_refuses_goals_shows_its_costs_and_is_removed(page, server):
+    page.get_by_role("button", name="go to", exact=True).first.click()
+    choose(page, "keep out")
+    drag(page, (0.2, 0.2), (0.35, 0.35))
+    expect(page.locator("#planning")).to_contain_text("remove the zone")
+    with server.live() as socket:
+        told = until(socket, lambda now: now["walls"] > 0)
+    assert told["mode"] == "idle"
+    choose(page, "costs")
+    expect(page.locator("#planning + p")).to_contain_text("inflation_radius")
+    drag(page, (0.27, 0.27), (0.27, 0.27))
+    expect(page.locator("#toasts")).to_contain_text("keep-out zone")
+    page.get_by_role("button", name="go to", exact=True).first.click()
+    choose(page, "remove the zone")
+    expect(page.locator("#planning")).not_to_contain_text("remove the zone")
+
+
 def test_cancel_ends_the_journey(page, server):
     page.get_by_role("button", name="type a pose").click()
     for name, value in (("pose-x", "-300"), ("pose-y", "-250"), ("pose-heading", "0")):

@@ -36,7 +36,7 @@ export class Planning {
   #remove = make("button", { type: "button", title: t("Remove the zone that was drawn last") });
   #tape = toggle(t("cross tape"), t("Whether the robot may cross tape on its way to goals"));
   #costs = toggle(t("costs"), t("Shade the floor by what a way there costs: that is why the robot goes around"));
-  #words = make("p", { class: "say", role: "status" });
+  #words = make("p", { role: "status" });
   #row = make("div", { id: "planning", class: "tools", role: "group", "aria-label": t("Goals") });
 
   /**
