@@ -100,6 +100,26 @@ def test_a_goal_on_tape_is_refused_and_the_page_says_why(page, server):
     expect(page.locator("#toasts")).to_contain_text("on a wall")
 
 
+@pytest.mark.parametrize(("x", "words"), [("9000", "beyond the field"), ("500", "on a wall")])
+def test_a_typed_goal_that_is_none_is_refused_and_the_page_says_why(page, server, x, words):
+    page.get_by_role("button", name="type a pose").click()
+    for name, value in (("pose-x", x), ("pose-y", "0"), ("pose-heading", "0")):
+        page.locator(f"#{name}").fill(value)
+    page.locator("#numbers-goal").click()
+    expect(page.locator("#toasts")).to_contain_text(words)
+
+
+def test_while_the_filter_is_paused_the_page_says_so(page, server):
+    with server.live() as socket:
+        assert ask(socket, type="pause")["type"] == "ack"
+        page.wait_for_function("window.brickpose.telemetry.filter.paused")
+        page.get_by_role("button", name="go to", exact=True).first.click()
+        drag(page, (0.1, 0.0), (0.1, 0.1))
+        expect(page.locator("#toasts")).to_contain_text("the filter is paused")
+        assert ask(socket, type="resume")["type"] == "ack"
+        until(socket, lambda now: now["mode"] == "idle")
+
+
 def test_a_page_that_is_closed_stops_the_robot(browser, server):
     context = browser.new_context(viewport={"width": 1200, "height": 800})
     page = context.new_page()

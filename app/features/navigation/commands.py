@@ -12,6 +12,7 @@ from app.engine.program import Program
 from app.features.navigation.journey import RENEWAL, Journey
 from app.features.navigation.messages import CancelCommand, NavigateCommand, SetWallsCommand
 from app.features.navigation.walls import WALLS, polygons, walls_in
+from app.languages.marking import phrase
 from robot.errors import CommandError
 from robot.fields.field import Field
 from robot.geometry import Pose2
@@ -22,16 +23,20 @@ if TYPE_CHECKING:
 
 SMALLEST_M2 = 1e-6
 """A smaller keep-out zone is a slip of the hand [m^2]."""
+DRAWN = phrase("a map is drawn; finish or discard it to drive to a goal")
 KEEPER: Part[JourneyKeeper] = Part("navigation")
 
 
 def _begin(request: Request[NavigateCommand]) -> None:
     """Begin a journey, and keep it up if its sender does not renew it."""
     command = request.command
+    keeper = request.part(KEEPER)
     if command.poses is None:
+        if keeper.map_is_drawn:
+            request.arbiter.put(request.driver, CancelCommand(type="cancel"))
+            raise CommandError(DRAWN)
         request.pass_on()
         return
-    keeper = request.part(KEEPER)
     keeper.require_free(command.poses)
     request.pass_on()
     keeper.keep(None if command.renewed else request.driver, request.arbiter)
@@ -87,7 +92,7 @@ def _check(command: NavigateCommand, program: Program) -> None:
     if latest.filter.paused or latest.filter.hand is not None:
         raise CommandError("the filter is paused; resume it to drive to a goal")
     if latest.drawn is not None:
-        raise CommandError("a map is drawn; finish or discard it to drive to a goal")
+        raise CommandError(DRAWN)
 
 
 def _check_field(command: NavigateCommand, field: Field) -> None:

@@ -87,6 +87,12 @@ class JourneyKeeper:
         return walls_in(latest.added if latest else {})
 
     @property
+    def map_is_drawn(self) -> bool:
+        """Whether a map is drawn by driving: the field's map then counts no more."""
+        latest = self._program.engine.latest.get()
+        return latest is not None and latest.drawn is not None
+
+    @property
     def ignores_tape(self) -> bool:
         """Whether the robot may cross tape."""
         return self.walls.ignore_tape(self._program.field, self._settings)
@@ -115,7 +121,7 @@ class JourneyKeeper:
         """Renew a journey; False if it is over, or somebody else drives."""
         latest = self._program.engine.latest.get()
         status: NavigationStatus | None = latest.added.get("navigation") if latest else None
-        over = status is None or not status.active
+        over = status is None or not status.active or self.map_is_drawn
         if over and time.monotonic() - began > BEGINS_S:
             return False
         return arbiter.renew(driver, RENEWAL)

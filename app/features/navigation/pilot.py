@@ -84,6 +84,8 @@ class Pilot:
         navigator = journey.helm.navigator
         tick = _tick(reading, controls)
         self._heed_walls(navigator, walls_in(controls.kept))
+        if getattr(controls.follower, "paused", False):
+            navigator.cancel(phrase("the filter was paused"))
         self._plan(navigator, tick, controls)
         if journey.helm.taken:
             journey.helm.set(navigator.step(tick))

@@ -42,7 +42,7 @@ def recorded(tmp_path_factory):
             program.engine.commands.put(TOLD)
         if tick == PLANS[0]:
             program.engine.commands.put(GOAL)
-        way = RENEW if PLANS[0] < tick < PLANS[1] else EIGHT
+        way = RENEW if PLANS[0] <= tick < PLANS[1] else EIGHT
         snapshot = replace(run(program, PERIOD, way)[0], battery_v=7.5 + tick / 1000)
         publisher.tick(snapshot)
         shown[publisher.source.clock.ns(snapshot.stamp)] = snapshot

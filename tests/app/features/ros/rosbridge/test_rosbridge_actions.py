@@ -11,8 +11,10 @@ from journeys import KNOWN, RENEW
 from ros_messages import topic
 from rosbridge_sessions import Client, bridge_of
 
+from app.engine.snapshot import DrawnMap
 from app.features.ros.encoding.frames import heading_of
 from app.features.ros.message_types import to_cdr
+from app.messages.commands import PauseCommand
 from app.page.outlets import Outlets
 from robot.geometry import Pose2
 from sim.simulated import PERIOD
@@ -149,6 +151,25 @@ def test_what_is_no_goal_is_rejected_and_the_robot_stands(floor, args, words):
     assert result["status"] == 6
     assert words in result["values"]
     run(floor.program, 0.1)
+    assert floor.program.engine.latest.get().mode == "idle"
+
+
+@pytest.mark.parametrize("what", ["paused", "drawn"])
+def test_while_nothing_tells_the_place_a_goal_is_rejected(floor, what):
+    if what == "paused":
+        floor.program.engine.commands.put(PauseCommand(type="pause"))
+    else:
+        grid = floor.program.field.occupancy(0.05)
+        floor.program.engine.drawn.put(DrawnMap(1.0, grid, Pose2()))
+    run(floor.program, 0.1)
+    words = {"paused": "the filter is paused", "drawn": "a map is drawn"}[what]
+    (result,) = floor.client.ask(
+        "send_action_goal", id="no", action=NAME, args={"pose": pose(0.1, 0.0)}
+    )
+    assert (result["result"], result["status"]) == (False, 6)
+    assert words in result["values"]
+    told = floor.client.refused("publish", topic="/goal_pose", msg=pose(0.1, 0.0))
+    assert words in told
     assert floor.program.engine.latest.get().mode == "idle"
 
 
