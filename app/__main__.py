@@ -1,5 +1,6 @@
 """``brickpose`` and ``python -m app``: signals are handled first, as imports take long."""
 
+import gc
 import os
 
 from app.interruption import end_at_once
@@ -12,6 +13,8 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 def main() -> int:
     """Run the command line; return the exit code."""
     end_at_once()
+    # What is loaded stays: looking for garbage in it would be a seventh of a start.
+    gc.disable()
     from app import command_line, console  # noqa: PLC0415
 
     console.never_fail_to_print()

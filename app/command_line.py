@@ -6,6 +6,7 @@ Only the options of the command that is typed are made, so that help and a wrong
 from __future__ import annotations
 
 import argparse
+import gc
 import logging
 import sys
 import tomllib
@@ -43,6 +44,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     logging.basicConfig(level=logging.WARNING, format="%(levelname)s %(name)s: %(message)s")
     try:
         parsed = parse(arguments)
+        if not gc.isenabled():
+            gc.freeze()
+            gc.enable()
         share_freed_memory()
         if parsed.features.left_out:  # else whatever is asked first finds all of them
             Late("app.engine.plugging:plug_in")(parsed.features)

@@ -1,5 +1,6 @@
 """The program as a user types it."""
 
+import gc
 import re
 import signal
 import socket
@@ -30,6 +31,15 @@ def brickpose(*arguments, code=None):
         timeout=60,
         check=False,
     )
+
+
+def test_garbage_is_collected_as_soon_as_a_command_begins():
+    gc.disable()  # as a start does
+    try:
+        assert main(["run", "--config", "nowhere.toml"]) == 2
+        assert gc.isenabled()
+    finally:
+        gc.enable()
 
 
 WRONG_MAP = ("run", "--map", "moon", "--port", "0")
