@@ -1,4 +1,4 @@
-"""Draws the costs of ways on the square, and ways around zones: ``navigation_picture.py FILE.png``."""
+"""Draws the costs of ways, and a way around a zone: ``navigation_picture.py FILE.png``."""
 
 from __future__ import annotations
 
@@ -20,7 +20,8 @@ ZONE = ((-0.05, -0.45), (0.05, -0.45), (0.05, 0.12), (-0.05, 0.12))
 START, GOAL = Pose2(-0.3, -0.2, 0.0), Pose2(0.3, -0.2, 0.0)
 SIDE = 480
 """Of the picture [pixels]."""
-WALL, NEAR, COST, WAY, ROBOT = (60, 15, 90), (150, 110, 175), (40, 120, 235), (20, 90, 200), (199, 95, 11)  # fmt: skip
+WALL, NEAR, COST = (60, 15, 90), (150, 110, 175), (40, 120, 235)
+WAY, ROBOT = (20, 90, 200), (199, 95, 11)
 """Blue, green, red."""
 
 

@@ -67,8 +67,9 @@ def _section(name: str, body: str, *, asks: bool) -> Section:
 def _button(match: re.Match[str]) -> str:
     """Return a button that sends a command, as ``do:place?x=0.3``."""
     parts = urlsplit(match[1].replace("&amp;", "&"))
-    values = {key: _value(item) for key, item in parse_qsl(parts.query)}
-    nested = NESTED.get(parts.path, lambda plain: plain)(values)
+    values: Values = {key: _value(item) for key, item in parse_qsl(parts.query)}
+    nesting = NESTED.get(parts.path)
+    nested = values if nesting is None else nesting(values)
     command = {"type": parts.path, **nested}
     data = escape(json.dumps(command), quote=True)
     return f'<button type="button" data-command="{data}">{match[2]}</button>'

@@ -10,6 +10,10 @@ from app.messages.message import CommandMessage, Message, Metres, Radians
 
 MOST_GOALS = 1000
 MOST_ZONES, MOST_CORNERS = 100, 200
+PolygonMessage = Annotated[
+    list[tuple[Metres, Metres]], Field(min_length=3, max_length=MOST_CORNERS)
+]
+"""x, y [m] of the corners."""
 
 
 class GoalMessage(Message):
@@ -36,12 +40,6 @@ class NavigateCommand(CommandMessage):
     """Whether to begin again after the last goal."""
     renewed: bool = False
     """Whether the sender renews it itself, as ``drive``; the robot stands when that ends."""
-
-
-PolygonMessage = Annotated[
-    list[tuple[Metres, Metres]], Field(min_length=3, max_length=MOST_CORNERS)
-]
-"""x, y [m] of the corners."""
 
 
 class SetWallsCommand(CommandMessage):

@@ -66,7 +66,8 @@ class Pilot:
         tells, self._tells = self._tells, False
         if tells:
             zones = [list(zone) for zone in self._walls.zones]
-            yield SetWallsCommand(type="set_walls", tape=self._walls.tape, zones=zones)
+            said = {"type": "set_walls", "tape": self._walls.tape, "zones": zones}
+            yield SetWallsCommand.model_validate(said)
         if canceled:
             yield CancelCommand(type="cancel", before=controls.stamp)
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 import threading
+from dataclasses import asdict
 
 from app.engine.program import Program
 from app.features.ros.encoding.navigation import path_message
 from app.features.ros.incoming import Answer, goal_of
 from app.features.ros.message_types import Message, MessageError
-from app.features.ros.rosbridge.encoding import json_values
 from app.features.ros.source import TopicSource
 from robot.errors import CommandError
 from robot.geometry import Array, Pose2
@@ -52,15 +52,15 @@ class Plans:
             legs = plan(space, start, goal)
         except NoWayError as error:
             raise CommandError(str(error)) from error
-        return {"plan": json_values(path_message(self._source, latest.stamp, _poses(legs, start)))}
+        return {"plan": asdict(path_message(self._source, latest.stamp, _poses(legs, start)))}
 
-    def _pose(self, message: Message, which: str) -> Pose2:
-        goal = goal_of(self._source, f"{NAME}: {which}", message)
+    def _pose(self, message: Message, name: str) -> Pose2:
+        goal = goal_of(self._source, f"{NAME}: {name}", message)
         pose = Pose2(goal.x, goal.y, goal.theta or 0.0)
         if not self._program.field.contains(pose):
             xmin, ymin, xmax, ymax = self._program.field.extent
             raise MessageError(
-                f"{NAME}: the {which} ({pose.x:.3f}, {pose.y:.3f}) m is beyond the field; valid is "
+                f"{NAME}: the {name} ({pose.x:.3f}, {pose.y:.3f}) m is beyond the field; valid is "
                 f"x {xmin:.3f} to {xmax:.3f}, y {ymin:.3f} to {ymax:.3f} m"
             )
         return pose

@@ -1,5 +1,5 @@
 # ruff: noqa: E501 - pieces of code are not broken
-"""Controllers of lesson 10: right ones in odd styles, and mistakes in three writings each."""
+"""``source_of`` controllers of lesson 10: right ones in odd styles, mistakes in three writings."""
 
 from __future__ import annotations
 

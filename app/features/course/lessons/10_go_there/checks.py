@@ -54,11 +54,11 @@ def cases(seed: int) -> list[Case]:
         _case("goal", "It is at the goal.", (0.303, -0.004, 2.9), straight, -2.8),
     ]
     for delay in (0.05, 0.2):
-        pose = rng.uniform([-0.28, -0.06, -0.8], [0.1, 0.06, 0.8])
-        made.append(_case("way", "It is beside its way.", tuple(pose), straight, 0.0, delay=delay))
+        drawn = tuple(rng.uniform([-0.28, -0.06, -0.8], [0.1, 0.06, 0.8]).tolist())
+        made.append(_case("way", "It is beside its way.", drawn, straight, 0.0, delay=delay))
     for _ in range(4):
-        angle, off = rng.uniform(0.3, 2.6), rng.uniform(-0.05, 0.05)
-        place = (0.25 + off) * np.array([math.sin(angle), -math.cos(angle)])
+        angle, offset = rng.uniform(0.3, 2.6), rng.uniform(-0.05, 0.05)
+        place = (0.25 + offset) * np.array([math.sin(angle), -math.cos(angle)])
         theta = wrap_angle(angle + rng.uniform(-0.9, 0.9))
         numbers = rng.uniform([0.1, 0.07, 0.05], [0.3, 0.13, 0.2]).tolist()
         pose = (*place.tolist(), theta)
@@ -101,10 +101,10 @@ def expected(case: Case, mistakes: frozenset[str]) -> Array:
     """What a controller with mistakes commands."""
     pose, _, goal, _, _, delay = case.arguments
     gain = next((rule(delay) for name, rule in GAINS.items() if name in mistakes), GAIN / delay)
-    there = math.hypot(*(goal[:2] - pose[:2])) < THERE_M and "no-goal" not in mistakes
+    arrived = math.hypot(*(goal[:2] - pose[:2])) < THERE_M and "no-goal" not in mistakes
     own = 0.0 if "goal-heading-alone" in mistakes else pose[2]
-    error = float(goal[2] - own) if there else _bearing(case, mistakes)
-    part = "goal" if there else "way"
+    error = float(goal[2] - own) if arrived else _bearing(case, mistakes)
+    part = "goal" if arrived else "way"
     if not mistakes & {"unwrapped", f"unwrapped-{part}"}:
         error = wrap_angle(error)
     if "degrees" in mistakes:
@@ -112,14 +112,14 @@ def expected(case: Case, mistakes: frozenset[str]) -> Array:
     if mistakes & {"sign", f"sign-{part}"}:
         error = -error
     turn = math.degrees(error) if "degrees-turn" in mistakes else error
-    if there and "heading-forgotten" in mistakes:
+    if arrived and "heading-forgotten" in mistakes:
         turn = 0.0
-    return np.array([_speed(case, error, there, mistakes), gain * turn])
+    return np.array([_speed(case, error, arrived, mistakes), gain * turn])
 
 
-def _speed(case: Case, error: float, there: bool, mistakes: frozenset[str]) -> float:
+def _speed(case: Case, error: float, arrived: bool, mistakes: frozenset[str]) -> float:
     speed = float(case.arguments[3])
-    if there and "drives-on" not in mistakes:
+    if arrived and "drives-on" not in mistakes:
         return 0.0
     if "full-speed" in mistakes:
         return speed
@@ -153,7 +153,8 @@ def _bearing(case: Case, mistakes: frozenset[str]) -> float:
     bearing = math.atan2(dx, dy) if "axes" in mistakes else math.atan2(dy, dx)
     if "own-heading" in mistakes:
         return bearing
-    return bearing + pose[2] if "heading-added" in mistakes else bearing - pose[2]
+    own = float(pose[2])
+    return bearing + own if "heading-added" in mistakes else bearing - own
 
 
 def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
