@@ -79,7 +79,6 @@ class Page:
     tape: str
     """Text of ``data-tape``; empty if there is none."""
     notes: Mapping[str, str] = field(default_factory=dict)
-    """Its attributes ``data-...``, which a feature may read."""
     hairlines: bool = False
     """Whether lines have strokes of no width, which show nothing."""
 
