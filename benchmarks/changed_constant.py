@@ -1,11 +1,11 @@
-"""A module loaded with another value of a constant, as if its source said so."""
+"""Modules loaded with another value of a constant, or of several, as if their source said so."""
 
 from __future__ import annotations
 
 import ast
 import re
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from importlib.abc import MetaPathFinder
 from importlib.machinery import ModuleSpec, PathFinder, SourceFileLoader
@@ -80,17 +80,23 @@ class Constant:
                 return tuple((module, each.name) for module, each in users)
             users += more
 
-    def change(self, value: str) -> None:
-        """Let the module, once it is imported, have another value.
 
-        Args:
-            value: an expression; after ``*`` a factor. What was whole stays whole, and at least 1.
-        """
-        assert self.module not in sys.modules
+def change(constants: Iterable[Constant], value: str) -> None:
+    """Let modules, once they are imported, have another value of constants.
+
+    Args:
+        constants: all that change, in one call.
+        value: an expression; after ``*`` a factor. What was whole stays whole, and at least 1.
+    """
+    trees: dict[str, ast.Module] = {}
+    for each in constants:
+        assert each.module not in sys.modules
         # numba asks where the source is.
-        tree = _changed(ast.parse(self._source), self.name, value)
-        code = compile(tree, self._path, "exec")
-        sys.meta_path.insert(0, _Finder(self.module, code))
+        tree = trees.setdefault(each.module, ast.parse(each._source))
+        _change(tree, each.name, value)
+    for module, tree in trees.items():
+        code = compile(tree, Constant(module, "")._path, "exec")
+        sys.meta_path.insert(0, _Finder(module, code))
 
 
 class _Finder(MetaPathFinder):
@@ -160,8 +166,8 @@ def _names(statement: ast.stmt, context: type[ast.expr_context]) -> set[str]:
     return {name.id for name in names if isinstance(name.ctx, context)}
 
 
-def _changed(tree: ast.Module, name: str, value: str) -> ast.Module:
-    """Return a module with another value of a constant, which may stand in a row of several."""
+def _change(tree: ast.Module, name: str, value: str) -> None:
+    """Give a module another value of a constant, which may stand in a row of several."""
     for statement in tree.body:
         place = _place(statement, name)
         if place is None or not isinstance(statement, ast.Assign):
@@ -172,7 +178,7 @@ def _changed(tree: ast.Module, name: str, value: str) -> ast.Module:
             elements[place] = _other(elements[place], value)
         else:
             statement.value = _other(statement.value, value)
-    return ast.fix_missing_locations(tree)
+    ast.fix_missing_locations(tree)
 
 
 def _other(expression: ast.expr, value: str) -> ast.expr:

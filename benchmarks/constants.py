@@ -2,8 +2,11 @@
 
 ``python -m benchmarks.constants monitor.TORN`` follows the same drives with the constant as it is,
 halved and doubled; ``estimate.ONLY_PLACE=0.9,0.975`` tries these values instead, and ``--few`` only
-a robot's five drives instead of 20. Those of ``robot.scanning`` are tried on pictures, and those of
-``robot.mapping`` and ``robot.calibration`` on maps that are drawn and robots that are calibrated.
+a robot's five drives instead of 20. ``track.SHARP+track.NARROW`` changes both together: of most
+constants one learns in this way that they change nothing. Those of ``robot.scanning`` are tried on
+pictures, and those of ``robot.mapping`` and ``robot.calibration`` on maps that are drawn and robots
+that are calibrated.
+
 Each value is tried in a process of its own, which compiles anew what has the constant built in.
 The line ``other random numbers`` tells by how much figures differ by chance.
 """
@@ -22,10 +25,12 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from benchmarks.changed_constant import Constant
+from benchmarks.changed_constant import Constant, change
 
 SHARED = ("robot.localization.", "robot.scanning.", "robot.mapping.", "robot.calibration.")
 """No constant of these modules changes what their trials record: it is recorded once."""
+RECORDING = ("robot.calibration.drive_log", "robot.calibration.programme")
+"""But these decide which pictures are recorded, and how the robot drives."""
 DRIVES = "benchmarks.constant_trials"
 TRIALS = {
     "robot.scanning.": "benchmarks.constant_scans",
@@ -39,6 +44,7 @@ OTHER_NUMBERS = 1000
 ONE_BY_ONE, FEW = "--try", "--few"
 
 Outcome = dict[str, Any]
+Group = tuple[Constant, ...]
 
 
 @dataclass(frozen=True)
@@ -50,8 +56,8 @@ class Try:
     drives: str
     """The file of the drives; empty: they are recorded by the process itself."""
     few: bool = False
-    constant: str = ""
-    """Dotted name; empty: all is as it is."""
+    constants: tuple[str, ...] = ()
+    """Dotted names of what changes; empty: all is as it is."""
     value: str = ""
     compiled: tuple[tuple[str, str], ...] = ()
     """Functions that are compiled anew, by module and name."""
@@ -76,8 +82,7 @@ class Try:
 
     def carry_out(self) -> int:
         """Be that process."""
-        if self.constant:
-            Constant.of(self.constant).change(self.value)
+        change([Constant.of(name) for name in self.constants], self.value)
         # Only now, as it imports what is changed.
         trials = importlib.import_module(self.trials)
         drives = trials.recorded(Path(self.drives) if self.drives else None)
@@ -106,16 +111,16 @@ def main(arguments: list[str]) -> int:
         return Try(**json.loads(arguments[1])).carry_out()
     few = FEW in arguments
     try:
-        constants = [
-            (Constant.of(name), values or HALF_AND_TWICE)
-            for name, _, values in (text.partition("=") for text in arguments if text != FEW)
+        groups = [
+            (_group(names), values or HALF_AND_TWICE)
+            for names, _, values in (text.partition("=") for text in arguments if text != FEW)
         ]
     except ValueError as error:
         sys.stderr.write(f"{error}\n")
         return 2
-    by_trials: dict[str, list[tuple[Constant, str]]] = defaultdict(list)
-    for constant, values in constants:
-        by_trials[_trials(constant)].append((constant, values))
+    by_trials: dict[str, list[tuple[Group, str]]] = defaultdict(list)
+    for group, values in groups:
+        by_trials[_trials(group[0])].append((group, values))
     for trials, some in by_trials.items():
         with tempfile.TemporaryDirectory() as folder:
             usual = Try(trials, str(Path(folder) / "drives"), few and trials == DRIVES)
@@ -123,25 +128,42 @@ def main(arguments: list[str]) -> int:
     return 0
 
 
+def _group(names: str) -> Group:
+    """Return the constants that change together.
+
+    Raises:
+        ValueError: one is unknown, or they are tried in different ways.
+    """
+    group = tuple(Constant.of(name) for name in names.split("+"))
+    if len({_trials(constant) for constant in group}) > 1:
+        raise ValueError(f"{names} are tried in different ways; valid are constants of one room")
+    return group
+
+
 def _trials(constant: Constant) -> str:
     return next((name for room, name in TRIALS.items() if constant.module.startswith(room)), DRIVES)
 
 
-def _try_all(constants: list[tuple[Constant, str]], usual: Try) -> None:
+def _try_all(groups: list[tuple[Group, str]], usual: Try) -> None:
     outcomes: dict[tuple[tuple[str, str], ...], Outcome] = {(): usual.outcome()}
     print("", *(name for name in outcomes[()] if name != "each"), sep=" | ")
     _print("as it is", outcomes[()], outcomes[()])
     other = replace(usual, other_numbers=OTHER_NUMBERS)
     _print("other random numbers", other.outcome(), outcomes[()])
-    for constant, values in constants:
-        compiled = constant.compiled_users
+    for group, values in groups:
+        compiled = tuple(sorted({user for constant in group for user in constant.compiled_users}))
         if compiled not in outcomes:
             outcomes[compiled] = replace(usual, compiled=compiled).outcome()
-        drives = usual.drives if constant.module.startswith(SHARED) else ""
+        is_shared = all(
+            constant.module.startswith(SHARED) and constant.module not in RECORDING
+            for constant in group
+        )
+        drives = usual.drives if is_shared else ""
+        names = tuple(f"{constant.module}.{constant.name}" for constant in group)
+        shown = "+".join(constant.name for constant in group)
         for value in values.split(","):
-            name = f"{constant.module}.{constant.name}"
-            changed = replace(usual, drives=drives, constant=name, value=value, compiled=compiled)
-            _print(f"{constant.name} {value}", changed.outcome(), outcomes[compiled])
+            changed = replace(usual, drives=drives, constants=names, value=value, compiled=compiled)
+            _print(f"{shown} {value}", changed.outcome(), outcomes[compiled])
 
 
 def _print(name: str, outcome: Outcome, usual: Outcome) -> None:

@@ -1,8 +1,9 @@
 """Benchmark that counts instructions: what a second of a robot in bricks asks of its computer.
 
 Instructions do not depend on what else a machine does, and tell roughly what another one needs. A
-second has 50 ticks, 15 pictures and one page. Each part works on what was recorded of such seconds,
-once for a time and once for twice that time: the difference is the part's own. Valgrind counts.
+second has 50 ticks, 15 pictures and one page, which gets 30 ticks. Each part works on what was
+recorded of such seconds, once for a time and once for twice that time: the difference is the part's
+own. Valgrind counts.
 """
 
 from __future__ import annotations
@@ -17,13 +18,16 @@ from dataclasses import replace
 import numpy as np
 
 from app.engine.build import build_program
+from app.engine.mailboxes.rhythm import Rhythm
 from app.engine.plugging import plug_in
 from app.engine.program import LocalProgram
+from app.engine.rest import PAGE_HZ
 from app.engine.snapshot import Snapshot
 from app.feature_search import find_features
 from app.features.control.messages import SentTick
 from app.features.control.parts import PartsReader, PartsWriter
 from app.features.control.process import PARTS
+from app.features.control.shared_ring import SharedRing
 from app.messages.driving_commands import FigureEightCommand
 from app.page.camera_stream import encoded
 from app.page.outlets import Outlets
@@ -165,11 +169,20 @@ def snapshots(seconds: int) -> tuple[LocalProgram, list[Snapshot]]:
     return program, ticks[: round(seconds / PERIOD)]
 
 
+def sent(ticks: list[Snapshot]) -> Iterator[Snapshot]:
+    """Yield those of the ticks that a page gets."""
+    rhythm = Rhythm()
+    for tick in ticks:
+        if tick.reading.frame is not None or rhythm.wait(tick.stamp) <= 0:
+            rhythm.choose(tick.stamp, PAGE_HZ)
+            yield tick
+
+
 def telemetry(seconds: int) -> None:
-    """Write the messages of each tick."""
+    """Write the messages of the ticks for a page."""
     program, ticks = snapshots(seconds)
     writer = TelemetryWriter(program, Outlets(program, None, lambda following: None))
-    for tick in ticks:
+    for tick in sent(ticks):
         writer.message(tick).model_dump_json()
 
 
@@ -182,10 +195,11 @@ def camera(seconds: int) -> None:
 
 
 def sending(seconds: int) -> None:
-    """Turn each tick into bytes, and back."""
+    """Turn the ticks for a page into bytes, and back."""
     _, ticks = snapshots(seconds)
-    writer, reader = PartsWriter(PARTS), PartsReader()
-    for tick in ticks:
+    ring = SharedRing()
+    writer, reader = PartsWriter(PARTS, ring), PartsReader(ring)
+    for tick in sent(ticks):
         reader.read(writer.write(SentTick(tick, unbroken=False)))
 
 

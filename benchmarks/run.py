@@ -11,6 +11,7 @@ from pathlib import Path
 from benchmarks import (
     accuracy,
     crowd,
+    driving,
     ends,
     hostile_files,
     instructions,
@@ -38,6 +39,7 @@ BENCHMARKS: dict[str, Callable[[], Result]] = {
     "accuracy": accuracy.measure,
     "crowd": crowd.measure,
     "driver": driver.measure,
+    "driving": driving.measure,
     "encoders": delay.measure,
     "ends": ends.measure,
     "filter": particle_filter.measure,
@@ -67,6 +69,7 @@ BENCHMARKS: dict[str, Callable[[], Result]] = {
 
 LONG = (
     "crowd",
+    "driving",
     "ends",
     "hostile_files",
     "instructions",

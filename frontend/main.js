@@ -51,7 +51,7 @@ refreshPalette();
 const appearance = new Appearance(findButton("theme"), findButton("large-text"));
 offerLanguages(find("language", HTMLSelectElement));
 const loop = new DrawLoop();
-const connection = new Connection("/api/live");
+const connection = new Connection("/api/live?rate=30");
 const toasts = new Toasts(find("toasts", HTMLElement));
 const problems = new Problems();
 const firstStart = new FirstStart((compiling) => {

@@ -140,6 +140,8 @@ class SimulatedRobot:
         self._world = world
         self._encoders = encoders
         self._settings = camera
+        self.settings = SimSettings(camera=camera, imperfections=factory.imperfections)
+        """Camera and imperfections as they are now."""
         self._floor = field.floor
         self._factory = factory
         self._rng = copy.deepcopy(rng)
@@ -217,16 +219,12 @@ class SimulatedRobot:
         self._exposures.skip(self.stamp)
         self._plan()
 
-    @property
-    def settings(self) -> SimSettings:
-        """Camera and imperfections as they are now."""
-        return SimSettings(camera=self._settings, imperfections=self._factory.imperfections)
-
     def change(self, settings: SimSettings) -> None:
         """Change camera and imperfections; the robot goes on where it is."""
         self._drawn = -math.inf
         view = self._change_robot(settings.imperfections)
         self._settings = settings.camera
+        self.settings = SimSettings(camera=settings.camera, imperfections=settings.imperfections)
         rng = copy.deepcopy(self._rng)
         self._camera = FloorCamera(view, self._floor, settings.camera, rng)
         self._exposures = Exposures(settings.camera, self.spec.lens.readout, rng.spawn(1)[0])

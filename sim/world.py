@@ -126,9 +126,10 @@ class KinematicWorld:
         """Advance at joint velocities (j,) [rad/s], clipped to the motors' limits."""
         self._velocities = np.array(limited(self._spec, velocities))
         turned = self._velocities * self.step_time
+        moved = self._drive.moved(turned)
         for _ in range(steps):
             self._positions += turned
-            self._pose = self._pose @ self._drive.moved(turned)
+            self._pose = self._pose @ moved
 
     @property
     def pose(self) -> Pose2:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from types import MappingProxyType
 
 from app.settings.config import Config
@@ -84,11 +85,14 @@ NewModels = Callable[[Config, Field], Iterable[AddedModels]]
 
 
 def choice_of(added: Iterable[AddedModels]) -> ModelChoice:
-    """Return the models in use and on offer of all features."""
+    """Return the models in use and on offer of all features; equal ones are one object."""
     each = [models.choice for models in added]
-    return ModelChoice(
+    return _choice(
         "".join(choice.sensor for choice in each),  # at most one of them has one in use
         "".join(choice.motion for choice in each),
         tuple(name for choice in each for name in choice.sensors),
         tuple(name for choice in each for name in choice.motions),
     )
+
+
+_choice = lru_cache(maxsize=8)(ModelChoice)

@@ -317,7 +317,7 @@ def _require_sound(name: str, values: Array, joints: int) -> None:
     Raises:
         RobotError: names what is not a number for each joint.
     """
-    if np.shape(values) != (joints,) or not np.isfinite(values).all():
+    if np.shape(values) != (joints,) or not all(map(math.isfinite, values)):
         given = np.asarray(values).tolist()
         raise RobotError(f"the robot's {name} are {given}; valid are {joints} finite numbers")
 

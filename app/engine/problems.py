@@ -55,6 +55,7 @@ class Problems:
         """The last hundred problems, newest last."""
         self.count = 0
         """Problems since the start."""
+        self._shown = ProblemState((), 0, ())
 
     def report(self, topic: str, stamp: float, message: str | None) -> None:
         """Report the problem of a topic, or None without one; log it when it begins."""
@@ -83,5 +84,8 @@ class Problems:
 
     @property
     def shown(self) -> ProblemState:
-        """The problems that a tick shows."""
-        return ProblemState(tuple(self._now.values()), self.count, self.record)
+        """The problems that a tick shows; the same object as long as they are the same."""
+        shown = ProblemState(tuple(self._now.values()), self.count, self.record)
+        if shown != self._shown:
+            self._shown = shown
+        return self._shown

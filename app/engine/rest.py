@@ -20,6 +20,8 @@ STILL_M, STILL_RAD = 0.001, 0.0049
 """Motion by odometry below which the robot stands: more than a step of one wheel's encoder on a
 Build HAT (0.25 mm, 0.0044 rad), which may go on and off, and less than what the filter waits for.
 """
+PAGE_HZ = 30.0
+"""Ticks a second that a page needs: as many as there are pictures."""
 VISIT_S = 2.0
 """Who asked for one picture or state is taken to look for this time [s], as most ask again."""
 
@@ -32,36 +34,44 @@ class Audience:
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
-        self._size = 1
+        self._rates = [math.inf]
         self._visited = -math.inf
 
     @property
     def present(self) -> bool:
         """Whether anybody looks."""
-        return self._size > 0 or time.monotonic() - self._visited < VISIT_S
+        return self.rate > 0
+
+    @property
+    def rate(self) -> float:
+        """Ticks a second that are needed, besides those with a new picture; 0: nobody looks."""
+        visit = PAGE_HZ if time.monotonic() - self._visited < VISIT_S else 0.0
+        return max((*self._rates, visit))
 
     def visit(self) -> None:
         """Look for a moment."""
         self._visited = time.monotonic()
 
-    def join(self) -> None:
-        """Count one more."""
+    def join(self, rate: float = math.inf) -> None:
+        """Count one more, who needs so many ticks a second; by default each tick."""
         with self._lock:
-            self._size += 1
+            self._rates = [*self._rates, rate]
 
-    def leave(self) -> None:
-        """Count one less."""
+    def leave(self, rate: float = math.inf) -> None:
+        """Count one less, of those who joined with this rate."""
         with self._lock:
-            self._size -= 1
+            rates = self._rates.copy()
+            rates.remove(rate)
+            self._rates = rates
 
     @contextmanager
-    def joined(self) -> Iterator[None]:
+    def joined(self, rate: float = math.inf) -> Iterator[None]:
         """Look until the block ends."""
-        self.join()
+        self.join(rate)
         try:
             yield
         finally:
-            self.leave()
+            self.leave(rate)
 
 
 class Standstill:

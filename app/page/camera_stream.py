@@ -27,6 +27,8 @@ from robot.scanning.tape_edges import Verdict
 QUALITY = 75
 BOUNDARY = "frame"
 STREAM = "multipart/x-mixed-replace"
+PICTURES_ONLY = 1.0
+"""Ticks a second that a stream needs besides those with a new picture."""
 LONGEST_WAIT_S = 0.2
 """Longest time between two checks whether the program ends [s]."""
 
@@ -84,13 +86,14 @@ class CameraStream:
                 return
 
     async def _pictures(self) -> AsyncIterator[_Picture]:
-        with self._audience.joined(), self._latest.subscribe() as subscription:
+        with self._audience.joined(PICTURES_ONLY), self._latest.subscribe() as subscription:
             shown: Frame | None = None
             while not self._stopping.is_set():
                 newest: Snapshot | None = None
                 # The wait is limited: a waiting stream would delay the end of the program.
                 with anyio.move_on_after(LONGEST_WAIT_S):
-                    newest = await subscription.next()
+                    while newest is None or newest.frame is None or newest.frame is shown:
+                        newest = await subscription.next()
                 if newest is None or newest.frame is None or newest.frame is shown:
                     continue
                 shown = newest.frame
@@ -105,10 +108,11 @@ class CameraStream:
             yield head.encode() + picture.jpeg + b"\r\n"
 
     async def _encode(self, snapshot: Snapshot, frame: Frame) -> _Picture:
-        async with self._lock:
-            if self._encoded is None or self._encoded.frame is not frame:
-                self._encoded = await anyio.to_thread.run_sync(encoded, snapshot, frame)
-            return self._encoded
+        if self._encoded is None or self._encoded.frame is not frame:
+            async with self._lock:
+                if self._encoded is None or self._encoded.frame is not frame:
+                    self._encoded = await anyio.to_thread.run_sync(encoded, snapshot, frame)
+        return self._encoded
 
 
 async def _until_gone(socket: WebSocket) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import logging
+import math
 import time
 from dataclasses import dataclass
 from functools import partial
@@ -66,10 +67,13 @@ class Live:
             return written.text
         return written.text.replace(NOT_MINE, MINE, 1)
 
-    async def serve(self, socket: WebSocket) -> None:
-        """Serve one viewer until it leaves; then stop the robot if only this viewer drove it."""
+    async def serve(self, socket: WebSocket, rate: float = math.inf) -> None:
+        """Serve one viewer until it leaves; then stop the robot if only this viewer drove it.
+
+        ``rate`` is how many ticks a second it gets at most.
+        """
         await socket.accept()
-        viewer = _Viewer(self, socket)
+        viewer = _Viewer(self, socket, rate)
         try:
             async with anyio.create_task_group() as tasks:
                 tasks.start_soon(viewer.send_telemetry)
@@ -89,8 +93,9 @@ class _Written:
 
 
 class _Viewer:
-    def __init__(self, live: Live, socket: WebSocket) -> None:
+    def __init__(self, live: Live, socket: WebSocket, rate: float) -> None:
         self._live = live
+        self._rate = rate
         self._engine = live.program.engine
         self._socket = socket
         self._role = role_in(socket.scope)
@@ -101,7 +106,8 @@ class _Viewer:
 
     async def send_telemetry(self) -> None:
         """Send the newest snapshot as soon as the last one is sent."""
-        with self._engine.audience.joined(), self._engine.latest.subscribe() as subscription:
+        engine, rate = self._engine, self._rate
+        with engine.audience.joined(rate), engine.latest.subscribe(rate) as subscription:
             while await self._outgoing.send(
                 self._live.text(await subscription.next(), self.driver)
             ):

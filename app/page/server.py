@@ -23,7 +23,7 @@ from app.page.outlets import Outlets
 from app.page.state import state_router
 from app.page.tokens import Tokens
 from app.page.view.cameras import Look
-from app.page.view.view import View
+from app.page.view.view import UPDATES_HZ, View
 
 
 def create_app(
@@ -109,5 +109,5 @@ def _add_streams(app: FastAPI, view: View, camera: CameraStream, audience: Audie
     @app.websocket("/view")
     @app.websocket("/view/{page}")
     async def follow_view(socket: WebSocket) -> None:
-        with audience.joined():
+        with audience.joined(UPDATES_HZ):
             await view.serve(socket)

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 import time
+from typing import Annotated
 
-from fastapi import APIRouter, HTTPException, Response, WebSocket
+from fastapi import APIRouter, HTTPException, Query, Response, WebSocket
 
 from app.engine.engine_thread import EngineThread
 from app.engine.problems import Problem
@@ -76,8 +78,10 @@ def state_router(
         )
 
     @router.websocket("/api/live")
-    async def follow(socket: WebSocket) -> None:
-        await live.serve(socket)
+    async def follow(
+        socket: WebSocket, rate: Annotated[float, Query(ge=1, le=1000)] = math.inf
+    ) -> None:
+        await live.serve(socket, rate)
 
     return router
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from robot.driving.differential_drive import DifferentialDrive
-from robot.geometry import Array, Pose2, Twist2, heading_vectors, interpolate
+from robot.geometry import Array, Pose2, Twist2, interpolate
 from robot.interface import Reading
 from robot.settings import check_settings, setting
 
@@ -121,7 +121,8 @@ class Odometry:
         track = self.drive.track
         travel = np.abs(turned) * self.drive.radii
         by_wheel = self._settings.wheel_error * travel
-        cx, cy = heading_vectors(np.array([last.odom_from_robot.theta + moved.theta / 2]))[0]
+        heading = last.odom_from_robot.theta + moved.theta / 2
+        cx, cy = np.cos(heading), np.sin(heading)
         left, right = self.drive.left, self.drive.right
         by_pose = np.array([[1, 0, -moved.x * cy], [0, 1, moved.x * cx], [0, 0, 1]])
         by_turn = np.empty((3, 2))

@@ -180,6 +180,8 @@ class Localizer:
         if self.monitor is not None:
             spread = estimate.effective / max(len(self.filter.cloud.weights), 1)
             self.monitor.observe(heaviest, seen, odometry, spread)
+            if self.monitor.contradicted:
+                self.filter.search_anew()
             self.filter.loosen(self.monitor.looseness)
             heaviest = self.monitor.compensate_lateness(heaviest)
             heaviest = replace(

@@ -40,7 +40,8 @@ scanner must see the whole width of the tape."""
 BACKGROUND_LOSS, BACKGROUND_MISS_LOSS = 1.8, 0.2
 """Loss of a ray's log-likelihood at a place that fits badly. A ray that returned is compared with
 an exact fit (the loss is that of 1.9 standard deviations). A ray that did not return is compared
-with a place where no edge is expected."""
+with a place where no edge is expected. Half: nothing changes beyond chance; twice: two of ten
+places are not found (``--few``)."""
 END = 0.06
 """Closer than this to its end [m], tape may be missed and the edge behind it seen instead."""
 ACROSS = 0.06

@@ -10,8 +10,8 @@ import pytest
 from benchmarks.changed_constant import Constant
 
 CHANGED = """
-from benchmarks.changed_constant import Constant
-Constant.of({name!r}).change({value!r})
+from benchmarks.changed_constant import Constant, change
+change([Constant.of(name) for name in {name!r}.split("+")], {value!r})
 from {module} import {shown}
 print({shown})
 """
@@ -19,7 +19,7 @@ print({shown})
 
 def changed(name: str, value: str, shown: str) -> str:
     """In a process of its own: a change holds for as long as a process lives."""
-    module = Constant.of(name).module
+    module = Constant.of(name.partition("+")[0]).module
     code = CHANGED.format(name=name, value=value, module=module, shown=shown)
     return subprocess.run(
         [sys.executable, "-c", code], check=True, capture_output=True, text=True
@@ -32,6 +32,11 @@ def test_a_constant_is_doubled() -> None:
 
 def test_in_a_row_only_the_named_one_changes() -> None:
     assert changed("monitoring.claims.WAY", "0.07", "TURNED, WAY, TURN") == "0.3 0.07 0.05"
+
+
+def test_several_of_a_module_change_together() -> None:
+    names = "monitoring.claims.WAY+monitoring.claims.MAX_RADIUS+monitoring.claims.TURN"
+    assert changed(names, "*2", "TURNED, WAY, TURN, MAX_RADIUS") == "0.3 0.06 0.1 2.0"
 
 
 def test_what_is_made_of_it_changes_too() -> None:

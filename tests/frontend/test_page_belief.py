@@ -135,7 +135,7 @@ def test_doubts_stand_below_the_words_and_go_away(browser, server, width, height
     claim = {"state": "approximate", "radius": 0.06, "heading_bound": 0.2, "alerts": [ASKEW]}
     context = browser.new_context(viewport={"width": width, "height": height}, color_scheme=scheme)
     page = context.new_page()
-    page.route_web_socket("**/api/live", lambda socket: telling(socket, claim))
+    page.route_web_socket("**/api/live?*", lambda socket: telling(socket, claim))
     page.route("**/view/**", lambda route: route.fulfill(body=""))
     page.goto(server.url)
     page.wait_for_function("window.brickpose?.telemetry")

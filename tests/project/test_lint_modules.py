@@ -13,6 +13,9 @@ def complaints(tmp_path: Path, monkeypatch, capsys):
     """Write modules, by their paths, and return what is said of them."""
     monkeypatch.setattr(lint_modules, "ROOT", tmp_path)
     monkeypatch.setattr(lint_modules, "SAME_NAME", {})
+    listed = tmp_path / "unmeasured_constants.txt"
+    listed.touch()
+    monkeypatch.setattr(lint_modules, "UNMEASURED", listed)
 
     def said(**sources: str) -> list[str]:
         (tmp_path / "robot").mkdir(exist_ok=True)
@@ -68,6 +71,25 @@ def test_a_number_that_decides_is_explained(complaints, tmp_path: Path):
     assert complaints() == [
         "robot/driving/gates.py:3: LEAST, MOST has no text that says what it is, and why",
         "robot/driving/gates.py:4: SD has no text that says what it is, and why",
+    ]
+
+
+def test_a_number_that_decides_is_measured_or_listed_with_the_reason(complaints, tmp_path: Path):
+    room = tmp_path / "robot" / "driving"
+    room.mkdir(parents=True)
+    (room / "gates.py").write_text(
+        'GATE = 0.03\n"""Half of it: 2 % are missed."""\nROWS = 3\n"""Rows at a time."""\n'
+        'LEAST, MOST = 1, 2\n"""Most counts half."""\nHELD = 1.0\n"""With 2 nothing changes."""\n'
+    )
+    listed = tmp_path / "unmeasured_constants.txt"
+    listed.write_text(
+        "# Why.\n[Sizes]\nrobot/driving/gates.py: ROWS\n    HELD GONE\nrobot/driving/no.py: GATE\n"
+    )
+    assert [line.partition(" (")[0] for line in complaints()] == [
+        "robot/driving/gates.py:5: LEAST, MOST does not say what half and twice change",
+        "robot/driving/gates.py:7: HELD is measured, and still on the list",
+        "unmeasured_constants.txt:4: robot/driving/gates.py has no number GONE that decides",
+        "unmeasured_constants.txt:5: robot/driving/no.py has no number GATE that decides",
     ]
 
 

@@ -13,6 +13,7 @@ import argparse
 import math
 import time
 from dataclasses import replace
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -20,7 +21,7 @@ from mappings import aligned
 from scipy.spatial import cKDTree
 
 from app.features.lab.localize.laser_map import LaserMap
-from app.features.lab.localize.reading.carmen import measurements
+from app.features.lab.localize.reading.carmen import CarmenLog
 from app.features.lab.mapping.looks import REACH_M
 from robot.fields.ray_casting import cast_rays
 from robot.geometry import Pose2
@@ -87,7 +88,7 @@ def main() -> None:
     parser.add_argument("--method", choices=("graph", "grid"), default="graph")
     parser.add_argument("--simulated", action="store_true", help="cast the scans anew")
     given = parser.parse_args()
-    poses, scans = zip(*measurements(given.log), strict=True)
+    poses, scans = zip(*chain(*CarmenLog(given.log).drives()), strict=True)
     true = np.array([pose.to_array() for pose in poses])
     if given.simulated:
         scans = simulated(poses, scans)

@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import threading
+import time
 from collections.abc import Iterator
 from typing import Generic, TypeVar
 
+import anyio
+
+from app.engine.mailboxes.rhythm import EARLY_S, Rhythm
 from app.engine.mailboxes.wakeup import Wakeup
 
 T = TypeVar("T")
@@ -35,13 +40,13 @@ class Latest(Generic[T]):
         return self._value
 
     @contextlib.contextmanager
-    def subscribe(self) -> Iterator[LatestReader[T]]:
-        """Subscribe from a coroutine until the block ends."""
+    def subscribe(self, rate: float = math.inf) -> Iterator[LatestReader[T]]:
+        """Subscribe from a coroutine until the block ends, to so many values a second at most."""
         waiting = Wakeup()
         with self._lock:
             self._waiting.add(waiting)
         try:
-            yield LatestReader(self, waiting)
+            yield LatestReader(self, waiting, rate)
         finally:
             with self._lock:
                 self._waiting.discard(waiting)
@@ -57,16 +62,26 @@ class Latest(Generic[T]):
 class LatestReader(Generic[T]):
     """One reader, with the number of the last value that it had."""
 
-    def __init__(self, source: Latest[T], waiting: Wakeup) -> None:
+    def __init__(self, source: Latest[T], waiting: Wakeup, rate: float) -> None:
         self._source = source
         self._waiting = waiting
+        self._rate = rate
+        self._rhythm = Rhythm()
         self._count = 0
 
     async def next(self) -> T:
         """Wait for a value that this reader has not had; return the newest, skip older ones."""
         while True:
             result = self._source.newer_than(self._count)
-            if result is not None:
+            if result is None:
+                await self._waiting.wait()
+                continue
+            clock = time.monotonic()
+            wait = self._rhythm.wait(clock)
+            if wait <= 0:
+                self._rhythm.choose(clock, self._rate)
                 self._count, value = result
                 return value
-            await self._waiting.wait()
+            # A newer one may come first; but the last of all must be sent, too.
+            with anyio.move_on_after(wait + EARLY_S):
+                await self._waiting.wait()

@@ -26,8 +26,8 @@ class Go:
 class Watched:
     """To control: who wants snapshots."""
 
-    present: bool
-    """Whether anybody looks at the newest."""
+    rate: float
+    """How often somebody looks at the newest [1/s], besides new pictures; 0: nobody does."""
     every: bool
     """Whether anybody needs each one, as a recording does."""
 

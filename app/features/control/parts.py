@@ -4,24 +4,36 @@ Fifty times a second a snapshot goes from one process to another. Most of it has
 the last one: the picture and its scan, the cloud, the scanner with its tables, the sensor model.
 Such a part is sent once, and the two ends know it by a number for as long as snapshots have it.
 So what was one object is one object at the other end, too.
+
+All other objects are taken apart by a function for their class, which is looked up in C: to ask one
+function of every object takes longer than to write it.
 """
 
 from __future__ import annotations
 
 import io
+import math
 import pickle
-from collections.abc import Iterable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field, fields
+from functools import cache
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
+
+from app.features.control.shared_ring import SharedRing
 
 SMALLEST = 256
 """An array of fewer bytes is sent again: a number would save nothing."""
 
+LARGE = 32 * 1024
+"""An array of so many bytes goes through the ring, if there is one."""
+
 Number = int
-Told = tuple[Number] | tuple[Number, bytes]
-"""The number of a part, and what it is, if the other end does not have it."""
+Reducer = Callable[[Any], Any]
+"""Returns of an object how it is made: a function and its arguments, as ``__reduce__`` does."""
 
 
 @dataclass(slots=True, eq=False)
@@ -57,16 +69,22 @@ class _Table:
 class PartsWriter:
     """Turns values into bytes for one reader, which must get all of them in their order."""
 
-    def __init__(self, kinds: Iterable[type]) -> None:
+    def __init__(self, kinds: Iterable[type], ring: SharedRing | None = None) -> None:
         """Objects of these classes, and large arrays, are parts; nobody may change them.
 
         So are those of a class that says ``is_part = True``. What has a method ``elsewhere`` is
-        made by what this returns, a function and its arguments.
+        made by what this returns, a function and its arguments. The reader has the same ring.
         """
         self._kinds = frozenset(kinds)
+        self._ring = ring
         self._table = _Table()
         self._numbers: dict[int, Number] = {}
         self._next = 0
+        self._reducers = _Reducers(self._reducer)
+        self._around: set[Number] = set()
+        """The parts of what is being written."""
+        self._whole: object = None
+        """The part that is being written itself, and not as a number."""
 
     def write(self, value: object) -> bytes:
         """Return a value as bytes.
@@ -76,7 +94,7 @@ class PartsWriter:
         """
         before = self._table.parts.copy(), self._numbers.copy()
         try:
-            written = _Pickler.pickled(self, value, self._table.used)
+            written = self._pickled(value, self._table.used)
         except BaseException:
             self._table.parts, self._numbers = before
             self._table.used = set()
@@ -85,59 +103,116 @@ class PartsWriter:
         self._numbers = {id(part.value): number for number, part in self._table.parts.items()}
         return written
 
-    def part(self, value: object, around: set[Number]) -> Told | None:
-        """Return what stands for an object: nothing, unless it is a part."""
-        if type(value) is np.ndarray:
-            if value.nbytes < SMALLEST:
-                return None
-        elif type(value) not in self._kinds and not getattr(type(value), "is_part", False):
-            return None
-        known = self._numbers.get(id(value))
-        if known is not None:
-            around.add(known)
-            return (known,)
-        number = self._next
-        self._next += 1
-        inside: set[Number] = set()
-        content = _Pickler.pickled(self, value, inside, whole=value)
-        self._table.parts[number] = _Part(value, inside)
-        self._numbers[id(value)] = number
-        around.add(number)
-        return number, content
-
-
-class _Pickler(pickle.Pickler):
-    """Pickles one value, and numbers for the parts within it."""
-
-    def __init__(self, file: io.BytesIO, writer: PartsWriter, around: set[Number]) -> None:
-        super().__init__(file, pickle.HIGHEST_PROTOCOL)
-        self._writer = writer
-        self._around = around
-        self._whole: object = None
-
-    @classmethod
-    def pickled(
-        cls, writer: PartsWriter, value: object, around: set[Number], whole: object = None
-    ) -> bytes:
-        """Return a value as bytes; a part itself is ``whole``, and not a number."""
+    def _pickled(self, value: object, around: set[Number], whole: object = None) -> bytes:
+        outside = self._around, self._whole
+        self._around, self._whole = around, whole
         file = io.BytesIO()
-        pickler = cls(file, writer, around)
-        pickler._whole = whole
-        pickler.dump(value)
+        pickler = pickle.Pickler(file, pickle.HIGHEST_PROTOCOL)
+        pickler.dispatch_table = self._reducers
+        try:
+            pickler.dump(value)
+        finally:
+            self._around, self._whole = outside
         return file.getvalue()
 
-    def reducer_override(self, obj: Any) -> Any:
-        """Return how the other end gets an object: as a part, as it says itself, or as usual.
+    def _reducer(self, kind: type) -> Reducer:
+        """Return what reduces the objects of a class."""
+        if kind is np.ndarray:
+            return self._array
+        alone = _alone(kind)
+        if kind not in self._kinds and not getattr(kind, "is_part", False):
+            return alone
+        return lambda value: alone(value) if value is self._whole else self._part(value)
 
-        ``persistent_id`` would do for parts; but it is asked of each number and each word as well.
-        """
-        if obj is not self._whole:
-            part = self._writer.part(obj, self._around)
-            if part is not None:
-                return _part, part
-        elsewhere = getattr(type(obj), "elsewhere", None)
-        made = None if elsewhere is None else elsewhere(obj)
-        return NotImplemented if made is None else made
+    def _array(self, value: NDArray[Any]) -> Any:
+        plain = value.flags.c_contiguous and value.dtype.kind in "bfiu"
+        if value.nbytes < SMALLEST:
+            return (
+                (_array, (value.tobytes(), value.dtype.str, value.shape))
+                if plain
+                else _usual(value)
+            )
+        if not plain:
+            return _usual(value) if value is self._whole else self._part(value)
+        known = self._known(value)
+        if known is not None:
+            return _part, (known,)
+        number = self._new(value, set())
+        placed = self._ring.put(value) if self._ring and value.nbytes >= LARGE else None
+        data = value.tobytes() if placed is None else placed
+        return _array_part, (number, data, value.dtype.str, value.shape)
+
+    def _part(self, value: object) -> Any:
+        known = self._known(value)
+        if known is not None:
+            return _part, (known,)
+        inside: set[Number] = set()
+        content = self._pickled(value, inside, whole=value)
+        return _part, (self._new(value, inside), content)
+
+    def _known(self, value: object) -> Number | None:
+        number = self._numbers.get(id(value))
+        if number is not None:
+            self._around.add(number)
+        return number
+
+    def _new(self, value: object, inside: set[Number]) -> Number:
+        number = self._next
+        self._next += 1
+        self._table.parts[number] = _Part(value, inside)
+        self._numbers[id(value)] = number
+        self._around.add(number)
+        return number
+
+
+class _Reducers(dict[type, Reducer]):
+    """Reducers by class, each looked up once, as a pickler asks for them."""
+
+    def __init__(self, find: Callable[[type], Reducer]) -> None:
+        super().__init__()
+        self._find = find
+
+    def __missing__(self, kind: type) -> Reducer:
+        if issubclass(kind, type):
+            raise KeyError(kind)  # a class: it is pickled by its name
+        self[kind] = reducer = self._find(kind)
+        return reducer
+
+
+def _alone(kind: type) -> Reducer:
+    """Return what reduces an object of a class that is no part."""
+    elsewhere = getattr(kind, "elsewhere", None)
+    if elsewhere is not None:
+        return lambda value: elsewhere(value) or _usual(value)
+    if getattr(kind.__getstate__, "__module__", None) != "dataclasses":
+        return _usual
+    # With slots, and frozen: Python asks for the names of the fields at each object again.
+    values = attrgetter("__class__", *(each.name for each in fields(kind)))
+    return lambda value: (_made, values(value))
+
+
+def _usual(value: Any) -> Any:
+    return value.__reduce_ex__(pickle.HIGHEST_PROTOCOL)
+
+
+def _made(kind: type, *values: object) -> Any:
+    """Return an object of a frozen dataclass with slots."""
+    made: object = object.__new__(kind)
+    for put, value in zip(_setters(kind), values, strict=True):
+        put(made, value)
+    return made
+
+
+@cache
+def _setters(kind: Any) -> tuple[Callable[[object, object], None], ...]:
+    return tuple(getattr(kind, each.name).__set__ for each in fields(kind))
+
+
+def _array(content: bytes | NDArray[np.uint8], form: str, shape: tuple[int, ...]) -> Any:
+    """Return a read-only array."""
+    array = np.frombuffer(content, form).reshape(shape)
+    array.setflags(write=False)
+    return array
 
 
 def _part(number: Number, content: bytes | None = None) -> Any:
@@ -145,43 +220,78 @@ def _part(number: Number, content: bytes | None = None) -> Any:
     raise pickle.UnpicklingError("a part is read by PartsReader only")
 
 
+def _array_part(number: Number, content: bytes | int, form: str, shape: tuple[int, ...]) -> Any:
+    """Stand for ``_Unpickler.array_part``: ``content``, or where in the ring it is."""
+    raise pickle.UnpicklingError("a part is read by PartsReader only")
+
+
 class PartsReader:
     """Turns bytes of one writer into the values that they were."""
 
-    def __init__(self) -> None:
+    def __init__(self, ring: SharedRing | None = None) -> None:
+        """``ring`` is the writer's."""
         self._table = _Table()
+        self._ring = ring
+        self._read = 0
+        """Up to where the ring is read."""
+        self._by_name: dict[tuple[str, str], Any] = {
+            (__name__, _part.__name__): self._part,
+            (__name__, _array_part.__name__): self._array_part,
+        }
+        """Classes and functions by module and name."""
+        self._around = self._table.used
+        """The parts of what is being read."""
 
     def read(self, written: bytes) -> Any:
         """Return the value."""
-        value = _Unpickler.unpickled(self._table, written, self._table.used)
+        if self._ring is not None:
+            self._ring.free(self._read)
+        value = self._unpickled(written, self._table.used)
         self._table.drop_unused()
         return value
 
+    def _unpickled(self, written: bytes, around: set[Number]) -> Any:
+        outside, self._around = self._around, around
+        try:
+            return _Unpickler(io.BytesIO(written), self._by_name).load()
+        finally:
+            self._around = outside
 
-class _Unpickler(pickle.Unpickler):
-    def __init__(self, file: io.BytesIO, table: _Table, around: set[Number]) -> None:
-        super().__init__(file)
-        self._table = table
-        self._around = around
-
-    @classmethod
-    def unpickled(cls, table: _Table, written: bytes, around: set[Number]) -> Any:
-        return cls(io.BytesIO(written), table, around).load()
-
-    def find_class(self, module: str, name: str) -> Any:
-        """Return a class or a function by its name; for ``_part`` what has the parts."""
-        if (module, name) == (_part.__module__, _part.__name__):
-            return self.part
-        return super().find_class(module, name)
-
-    def part(self, number: Number, content: bytes | None = None) -> Any:
+    def _part(self, number: Number, content: bytes | None = None) -> Any:
         """Return the part that a number stands for, after reading it if it is new."""
         self._around.add(number)
         if content is None:
             return self._table.parts[number].value
         inside: set[Number] = set()
-        value = self.unpickled(self._table, content, inside)
+        value = self._unpickled(content, inside)
         if isinstance(value, np.ndarray):
             value.setflags(write=False)
         self._table.parts[number] = _Part(value, inside)
         return value
+
+    def _array_part(
+        self, number: Number, content: bytes | int, form: str, shape: tuple[int, ...]
+    ) -> Any:
+        self._around.add(number)
+        if isinstance(content, int):
+            assert self._ring is not None  # the writer has put it there
+            size = math.prod(shape) * np.dtype(form).itemsize
+            value = _array(self._ring.take(content, size), form, shape)
+            self._read = content + size
+        else:
+            value = _array(content, form, shape)
+        self._table.parts[number] = _Part(value)
+        return value
+
+
+class _Unpickler(pickle.Unpickler):
+    def __init__(self, file: io.BytesIO, by_name: dict[tuple[str, str], Any]) -> None:
+        super().__init__(file)
+        self._by_name = by_name
+
+    def find_class(self, module: str, name: str) -> Any:
+        """Return a class or a function by its name, looked up once."""
+        known = self._by_name.get((module, name))
+        if known is None:
+            known = self._by_name[module, name] = super().find_class(module, name)
+        return known

@@ -38,6 +38,7 @@ from app.features.control.messages import (
     Watched,
 )
 from app.features.control.parts import PartsWriter
+from app.features.control.shared_ring import SharedRing
 from app.features.control.tick_sender import TickSender
 from app.operating_system import come_first
 from app.settings.config import Config
@@ -77,26 +78,32 @@ PATIENCE_S = 2.0
 """A loop that hangs is ended after this time, once the server has gone [s]."""
 
 
-def control(connection: Connection, config: Config, without: Sequence[str]) -> None:
+def control(
+    connection: Connection,
+    config: Config,
+    without: Sequence[str],
+    ring: SharedRing | None = None,
+) -> None:
     """Control a robot until the server has gone or asks for the end; the work of the process.
 
     Args:
         connection: to the server.
         config: everything that can be set.
         without: the names of features that are left out.
+        ring: memory that the server shares; without it, pictures go through the pipe.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the server, which then asks
     sys.setswitchinterval(HAND_OVER_S)
     come_first()
     cv2.setNumThreads(1)
     plug_in(find_features(without))
-    _ControlProcess(connection).work(config)
+    _ControlProcess(connection, ring).work(config)
 
 
 class _ControlProcess:
-    def __init__(self, connection: Connection) -> None:
+    def __init__(self, connection: Connection, ring: SharedRing | None) -> None:
         self._connection = connection
-        self._parts = PartsWriter(PARTS)
+        self._parts = PartsWriter(PARTS, ring)
         self._sending = threading.Lock()
         self._stop = threading.Event()
         """Set when the loop at hand shall end."""
@@ -104,7 +111,7 @@ class _ControlProcess:
         """Set when the server has gone."""
         self._orders: SimpleQueue[Go | Follow | None] = SimpleQueue()
         """What the main thread waits for between two loops; None: the server has gone."""
-        self._watched = Watched(present=False, every=False)
+        self._watched = Watched(rate=0.0, every=False)
         self._sender: TickSender | None = None
         self._program: LocalProgram | None = None
         self._main = threading.get_ident()

@@ -34,6 +34,7 @@ from app.features.control.messages import (
     Watched,
 )
 from app.features.control.parts import PartsReader
+from app.features.control.shared_ring import SharedRing
 from app.languages.marking import phrase
 from app.settings.config import Config
 from robot.fields.field import Field
@@ -52,10 +53,13 @@ PATIENCE_S = 2.4
 class ControlProcess:
     """The process that drives the robot, and the server's end of the pipe to it."""
 
-    def __init__(self, process: BaseProcess, connection: Connection) -> None:
+    def __init__(
+        self, process: BaseProcess, connection: Connection, ring: SharedRing | None = None
+    ) -> None:
+        """``ring`` is memory that both share."""
         self.process = process
         self.connection = connection
-        self._parts = PartsReader()
+        self._parts = PartsReader(ring)
         self._sending = threading.Lock()
 
     def read(self, timeout: float | None = None) -> Any:
@@ -195,7 +199,7 @@ class RemoteControl(ControlLoop):
         drawn: DrawnMap | None = None
         while not ended.is_set():
             command = self.commands.get(LOOK_S)
-            present = Watched(self.audience.present, self.every.subscribed)
+            present = Watched(self.audience.rate, self.every.subscribed)
             if present != watched:
                 watched = present
                 self._process.send(present)

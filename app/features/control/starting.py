@@ -14,6 +14,7 @@ from app.engine.plugging import plugged
 from app.features.control.process import control
 from app.features.control.remote import ControlProcess, RemoteProgram
 from app.features.control.settings import ControlSettings
+from app.features.control.shared_ring import SharedRing
 from app.interruption import uninterrupted
 from app.operating_system import children_deaf_to_ctrl_c
 from app.settings.config import Config
@@ -46,21 +47,27 @@ def started(config: Config, without: Sequence[str], *, forks: bool = False) -> C
     """Start a process that controls the robot of a configuration."""
     context: Any = multiprocessing.get_context("fork" if forks else "spawn")
     ours, theirs = context.Pipe()
+    ring = SharedRing() if forks else None
     work = _forked if forks else control
-    arguments = (ours, theirs, config, without) if forks else (theirs, config, without)
+    arguments: tuple[Any, ...] = (theirs, config, without, ring)
+    arguments = (ours, *arguments) if forks else arguments
     process = context.Process(target=work, args=arguments, name="control", daemon=True)
     with uninterrupted(), children_deaf_to_ctrl_c():
         process.start()
     theirs.close()  # so that the pipe ends with the process
-    return ControlProcess(process, ours)
+    return ControlProcess(process, ours, ring)
 
 
 def _forked(
-    servers: Connection, connection: Connection, config: Config, without: Sequence[str]
+    servers: Connection,
+    connection: Connection,
+    config: Config,
+    without: Sequence[str],
+    ring: SharedRing,
 ) -> None:
     """Control a robot, in a fork: what the server has open is not for this process."""
     servers.close()
     mine = connection.fileno()
     os.closerange(3, mine)
     os.closerange(mine + 1, os.sysconf("SC_OPEN_MAX"))
-    control(connection, config, without)
+    control(connection, config, without, ring)

@@ -9,6 +9,7 @@ from contextlib import ExitStack
 from app.engine.engine import Engine
 from app.engine.mailboxes.backlog import Backlog
 from app.engine.mailboxes.latest import Latest
+from app.engine.mailboxes.rhythm import Rhythm
 from app.engine.snapshot import Snapshot
 from app.features.control.messages import Hangs, SentTick, Watched
 
@@ -45,6 +46,7 @@ class TickSender:
         self._woken = threading.Event()
         self._done = threading.Event()
         self._each: Backlog[Snapshot] | None = None
+        self._rhythm = Rhythm()
         engine.latest = _AnnouncedLatest(self._announce)
         self._thread = threading.Thread(target=self._work, name="ticks", daemon=True)
         self._thread.start()
@@ -59,10 +61,14 @@ class TickSender:
         """Look at once who watches now."""
         self._woken.set()
 
-    def _announce(self) -> None:
+    def _announce(self, newest: Snapshot) -> None:
         """Have the newest snapshot sent, if somebody waits for it; called by the loop."""
-        watched = self._watched()
-        if watched.present or watched.every:
+        watched, stamp = self._watched(), newest.published
+        pictured = newest.reading.frame is not None
+        if watched.rate > 0 and (pictured or self._rhythm.wait(stamp) <= 0):
+            self._rhythm.choose(stamp, watched.rate)
+            self._woken.set()
+        elif watched.every:
             self._woken.set()
 
     def _work(self) -> None:
@@ -89,7 +95,7 @@ class TickSender:
         elif not watched.every and self._each is not None:
             subscription.close()
             self._each = None
-        if watched.present:
+        if watched.rate > 0:
             self._engine.audience.visit()
 
     def _send_new(self, count: int) -> int:
@@ -109,11 +115,11 @@ class TickSender:
 class _AnnouncedLatest(Latest[Snapshot]):
     """A mailbox that also tells a thread."""
 
-    def __init__(self, announce: Callable[[], None]) -> None:
+    def __init__(self, announce: Callable[[Snapshot], None]) -> None:
         super().__init__()
         self._announce = announce
 
     def put(self, value: Snapshot) -> None:
         """Replace the value, wake coroutines, and tell it."""
         super().put(value)
-        self._announce()
+        self._announce(value)

@@ -93,7 +93,7 @@ def _add_integrity(command: argparse.ArgumentParser) -> None:
         metavar="START",
         **several,
         help="what is known of the pose (default: all): known, told-wrong, scattered, carried, "
-        "moved",
+        "known-carried, moved",
     )
     command.add_argument(
         "--first-seed", type=int, metavar="N", help="seed of the first robot (default: 0)"

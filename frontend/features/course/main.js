@@ -24,7 +24,7 @@ const number = Number(location.pathname.split("/")[2] ?? 1);
 const banner = find("banner", HTMLElement);
 new Appearance(findButton("theme"), findButton("large-text"));
 offerLanguages(find("language", HTMLSelectElement));
-const connection = new Connection("/api/live");
+const connection = new Connection("/api/live?rate=30");
 const list = new LessonList(number);
 const editor = new Editor();
 const checks = new Checks(number, (passed, lines) => {

@@ -52,6 +52,13 @@ def parts_seen(seen: Sequence[Sighting]) -> NDArray[np.intp]:
     return count
 
 
+def bare_corners(seen: Sequence[Sighting]) -> list[str]:
+    """Return the names of the picture's corners in which too few corners of boards were seen."""
+    few = parts_seen(seen) < LEAST_CORNERS
+    names = (NAMES[row][column] for row, column in np.argwhere(few))
+    return [name for name in names if name.endswith("corner")]
+
+
 def normal(sighting: Sighting, board: Board) -> Array:
     """Return the direction (3,) out of the board's paper, in the camera's frame.
 

@@ -46,7 +46,8 @@ Half: no claim changes; twice: certain in 41.6 % instead of 40.7, and misleading
 LEAST_SHARE = 0.2
 """A track keeps at least this share of its particles, however many tracks there are."""
 BORN_SHARE = 0.05
-"""Share of the particles of a new track: its place is known to centimetres, so a few are enough."""
+"""Share of the particles of a new track: its place is known to centimetres, so a few are enough.
+Half: nothing changes beyond chance; twice: one of ten places is not found (``--few``)."""
 PRIOR_MAP_LENGTHS = 4
 """Lengths of a short map after which the given start does not count: scans tell more by then."""
 

@@ -22,7 +22,9 @@ from robot.localization.hypotheses.rescoring import Rescored, ScanHistory, resco
 from robot.localization.scan_matching import Match
 
 COARSE_SCANS, COARSE_BEAMS = 12, 6
-"""Scans, and rays of each, by which the grid is scored."""
+"""Scans, and rays of each, by which the grid is scored. Half of these, of the four below and of
+PEAKS: 2.6 % of pictures are misleading, not 0.6, and one of ten places is not found; twice: found
+after 1.9 s, not 1.6, and one is not found (``--few``)."""
 SCANS, BEAMS = 12, 12
 """Scans, and rays of each, that are laid on the edges."""
 REPLAYED_SCANS, REPLAYED_BEAMS = 8, 30

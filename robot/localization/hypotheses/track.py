@@ -29,7 +29,9 @@ overconfident, and would stay where it is until it is lost. So it is restarted w
 they fit better there. Scans beyond FARTHEST count too: without them, two of 12 robots with askew
 cameras get lost. Half and twice of FAR: nothing changes beyond chance (``--few``)."""
 NARROW = 0.012
-"""In a cloud narrower than this [m], each ray can only be of the nearest edge."""
+"""In a cloud narrower than this [m], each ray can only be of the nearest edge. Half of this,
+FORGETTING, STEADY, INDIFFERENT and STRAY: nothing changes beyond chance; twice: places are found
+after 1.9 and 2.1 s, not 1.6 and 1.1, and 36.6 % are certain, not 38.3 (``--few``)."""
 SHARP = 0.008
 """A pose that is known better than this [m, rad] is weighed at its mean alone."""
 STEADY, FORGETTING = 0.6, 0.2

@@ -19,7 +19,9 @@ CLEAR = 0.75
 """Scans that fit have a mean near 1, the most that one counts; one that does not, halves it. Half
 and twice: no claim changes."""
 FORGETTING = 0.01
-"""Share of the sum of changes that is forgotten with each scan."""
+"""Share of the sum of changes that is forgotten with each scan. Half, with half of MOST_CHANGE,
+BLEND and the monitor's BEAMS, LAID_SD and SAME_TILT: misleading in 1.5 %; twice: in none, 39.6 %
+certain."""
 MOST_CHANGE = 1.5
 """Most that one scan counts in that sum: another place may have taken the lead."""
 

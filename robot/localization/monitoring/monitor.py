@@ -40,6 +40,14 @@ pictures 30.5 % are certain and 0.7 % misleading; half: 29.8 and 0.6; twice: 33.
 JUMP, JUMP_TURN = 0.04, 0.2
 """A pose farther than this from the one that odometry predicts is another place [m], [rad]. Half
 and twice the distance: nothing changes beyond chance."""
+JOLT, JOLT_TURN = 0.006, 0.08
+"""A pose that leaves the one predicted by odometry between two pictures by more than this, and by
+more than its spread and slipping wheels explain, contradicts odometry [m], [rad]. Half of either:
+found again after 1.3 s instead of 1.1; twice: nothing changes of robots that begin scattered, but
+one that knew its place is certain of another for 1.3 s (``--few``; *stub*, seed 9001)."""
+SLIPS, SPREADS = 0.5, 1.5
+"""What slipping wheels explain, as a share of the step, and how many standard deviations. Half of
+either: found again after 1.3 s instead of 1.1; twice: as JOLT (``--few``)."""
 LOOSEST = 4.0
 """Largest factor on odometry's standard deviations. Half: 99 % of the errors within 42 instead of
 46 mm, and the rest, as with twice, unchanged beyond chance."""
@@ -92,14 +100,16 @@ class Monitor:
         """Pitch and roll [rad] that were taken off the scans of the steps compared."""
         self._causes = Causes()
         self._stamp: float | None = None
-        self._last: tuple[Pose2, Pose2] | None = None
-        """Pose and odometry of the last scan."""
+        self._last: tuple[Hypothesis, Pose2] | None = None
+        """Hypothesis and odometry of the last scan."""
         self._seen = -math.inf
         """Stamp at which edges were last seen [s]."""
         self._torn = False
         """Whether the steps of the pose do not agree with odometry."""
         self._doubted = -math.inf
         """Stamp of the last alert [s]."""
+        self.contradicted = False
+        """Whether the newest pose is where neither odometry nor slipping wheels can have led."""
         self.doubt = NO_DOUBT
         self.lateness = 0.0
         """How much later pictures seem to be stamped than they were taken [s]."""
@@ -112,7 +122,7 @@ class Monitor:
         """Restart at another given pose: keep the robot's errors, and drop the steps so far."""
         self._odometry.restart()
         self._fit.restart()
-        self._last, self._torn = None, False
+        self._last, self._torn, self.contradicted = None, False, False
         self._causes.forget()
         self.doubt = NO_DOUBT
 
@@ -161,7 +171,9 @@ class Monitor:
         self._stamp = scan.stamp
         rays = rays_of(scan, BEAMS)
         expected = self._expected(odometry)
-        if expected is not None and _is_far(expected, hypothesis.pose):
+        far = expected is not None and _is_far(expected, hypothesis.pose)
+        self.contradicted = self._contradicts(expected, hypothesis)
+        if far or self.contradicted:
             self._odometry.restart()
             self._causes.forget()
         # On bent tape, the residuals of a pose that is centimetres off would look like a tilt.
@@ -179,7 +191,7 @@ class Monitor:
             self._camera.exactness,
         )
         self._fit.observe(self._evidence, rays, hypothesis.pose, expected)
-        self._last = hypothesis.pose, odometry
+        self._last = hypothesis, odometry
         # At a wrong place, nothing can be learnt about the robot's errors.
         trusted = hypothesis.weight > ONLY_PLACE and self._fit.fits and used > EXPLAINED * returned
         if trusted:
@@ -243,8 +255,19 @@ class Monitor:
         """Return the last pose, moved on by odometry; None without a last pose."""
         if self._last is None:
             return None
-        pose, before = self._last
-        return pose @ self.corrected_step(before.inverse() @ odometry)
+        last, before = self._last
+        return last.pose @ self.corrected_step(before.inverse() @ odometry)
+
+    def _contradicts(self, expected: Pose2 | None, hypothesis: Hypothesis) -> bool:
+        """Return whether neither odometry nor slip leads to where the robot should be now."""
+        if expected is None or self._last is None or not self._odometry.settled:
+            return False
+        last, _ = self._last
+        moved, offset = last.pose.inverse() @ expected, expected.inverse() @ hypothesis.pose
+        variances = (last.covariance + hypothesis.covariance).diagonal()
+        way = SLIPS * math.hypot(moved.x, moved.y) + SPREADS * math.hypot(*np.sqrt(variances[:2]))
+        turn = SLIPS * abs(moved.theta) + SPREADS * math.sqrt(variances[2])
+        return math.hypot(offset.x, offset.y) > JOLT + way or abs(offset.theta) > JOLT_TURN + turn
 
     def _looseness(self, findings: Findings) -> float:
         rest = findings.odometry.rest

@@ -95,6 +95,11 @@ class OdometryCheck:
         self.twist = Twist2(0.0, 0.0)
         """Twist by odometry at the last pose."""
 
+    @property
+    def settled(self) -> bool:
+        """Whether the place has been followed for long enough for steps to be believed."""
+        return self._followed >= SETTLING
+
     def jump(self) -> None:
         """Forget earlier poses, because no step leads from them to the next one."""
         self._steps.clear()
@@ -145,7 +150,7 @@ class OdometryCheck:
             after.covariance,
             elapsed,
             after.stamp - before.stamp,
-            self._followed >= SETTLING,
+            self.settled,
         )
         self.errors = self._estimated(result)
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -10,20 +11,23 @@ from typing import Any
 from app.console import say
 from app.engine.robots import robot_kind
 from app.features.lab.calibrate.lens_report import lens_report
-from app.features.lab.calibrate.pictures import board_of, find_in, picture_files
+from app.features.lab.calibrate.pictures import board_of, find_in, picture_files, read_grey
 from app.files import atomic_file
 from app.result_files import require_writable
 from app.settings.config import AUTO, Config
 from app.settings.profile_files import profile_before, with_lens, write_profile
 from robot.calibration.lens.board import Board
-from robot.calibration.lens.coverage import missing
+from robot.calibration.lens.coverage import bare_corners, missing
 from robot.calibration.lens.lens_calibration import (
     LensCalibration,
     LensError,
     calibrate_lens,
     choice,
+    extrapolated,
 )
 from robot.calibration.lens.result_file import camera_info_of
+from robot.calibration.lens.sighting import SightingError
+from robot.camera import Lens
 from robot.cameras.picture_files import turned_line
 from robot.description.lens_table import MeasuredLens
 from robot.lens_files.writing import FORMATS, INI, Format
@@ -46,6 +50,8 @@ def calibrate_lens_command(given: dict[str, Any]) -> int:
     spec = robot_kind(Config(robot=given.pop("robot", AUTO))).description()
     before = profile_before(out, spec) if out.suffix == ".toml" else None
     files = picture_files(given.pop("pictures"))
+    if before is not None:
+        _require_size(files, spec.lens, out)
     found_boards = find_in(files, board_of(given))
     board = found_boards.board
     if found_boards.to_turn:
@@ -72,6 +78,29 @@ def calibrate_lens_command(given: dict[str, Any]) -> int:
         write_profile(out, profile)
     say(f"the lens is in {out}, a report in {report}")
     return 0
+
+
+def _require_size(files: Sequence[Path], lens: Lens, out: Path) -> None:
+    """Refuse pictures of another camera for a robot's profile, before they are searched.
+
+    Raises:
+        SettingError: none has the size of the robot's; says which file could hold the lens.
+    """
+    size = ""
+    for file in files:
+        try:
+            height, width = read_grey(file).pixels.shape
+        except SightingError:
+            continue
+        if (width, height) == (lens.width, lens.height):
+            return
+        size = size or f"{file.name} is of {width} x {height} px"
+    if size:
+        raise SettingError(
+            f"{size}, and none is of the robot's {lens.width} x {lens.height} px: "
+            f"{out} is a robot's profile; valid is --out {out.with_suffix('.yaml')}, which holds "
+            "the lens of any camera"
+        )
 
 
 def _file_of(name: str | None, out: Path | None) -> tuple[Format | None, Path]:
@@ -115,13 +144,22 @@ def lines_of(result: LensCalibration, board: Board) -> Iterator[str]:
     yield f"{len(result.seen)} pictures count, of a {board.words}"
     for rating in result.ratings:
         mark = "  chosen" if rating is result.chosen else ""
-        yield (
-            f"{rating.model:<20} {rating.rms:.3f} px off in held-out pictures, "
-            f"{rating.fit.rms:.3f} px in its own{mark}"
+        held_out = (
+            f"{rating.rms:.3f} px off in held-out pictures"
+            if math.isfinite(rating.rms)
+            else "does not reach the picture's sides, or not without a part of the pictures"
         )
+        yield f"{rating.model:<20} {held_out}, {rating.fit.rms:.3f} px in its own{mark}"
     sd = result.chosen.fit.sd
     for (name, value), error in zip(result.lens.parameters.items(), sd, strict=True):
         digits = 2 if name in ("fx", "fy", "cx", "cy") else 4
         yield f"{name:<3}{value:>10.{digits}f} ± {1.96 * error:.{digits}f}"
+    bare = bare_corners(list(result.seen.values()))
+    if bare:
+        apart = extrapolated(result.ratings, result.chosen)
+        yield (
+            f"extrapolated, as no board was there: {', '.join(bare)}; in the picture's corners the "
+            f"models that fit differ by {apart:.1f} px"
+        )
     for words in missing(list(result.seen.values()), board):
         yield f"better with more pictures: {words}"

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterator
+from itertools import chain, count
 from pathlib import Path
 
 import numpy as np
@@ -40,13 +41,40 @@ def map_in_cells(parsed: argparse.Namespace, method: str, *, laser: bool) -> int
     out: Path = parsed.out
     if out.suffix.lower() != ".yaml":
         raise SettingError(f"--out is {out}; valid is a file that ends in .yaml, for a ROS map")
-    path = out.with_suffix(".tum")
-    require_writable(out, path)
+    require_writable(*_written(out))
     if not parsed.force:
-        require_new(out, out.with_suffix(".pgm"), path)
-    mapper, looks = _mapper(parsed, method, laser), (scans if laser else pictures)(parsed)
-    stamps = _draw(mapper, looks)
-    grid = mapper.grid
+        require_new(*_written(out))
+    looks = iter((scans if laser else pictures)(parsed))
+    names = _names(out, parsed.force)
+    name, drawn = next(names), 0
+    following = next(looks, None)
+    while following is not None:
+        mapper = _mapper(parsed, method, laser)
+        stamps, following = _draw(mapper, following, looks)
+        if stamps:
+            _write(mapper, stamps, name)
+            name, drawn = next(names), drawn + 1
+    if not drawn:
+        raise MappingError("nothing was met on the way; a map needs a drive with walls or tape")
+    return 0
+
+
+def _written(out: Path) -> tuple[Path, Path, Path]:
+    return out, out.with_suffix(".pgm"), out.with_suffix(".tum")
+
+
+def _names(out: Path, force: bool) -> Iterator[Path]:
+    """Yield where the map of each drive in a recording is written; there may be several."""
+    yield out
+    for number in count(2):
+        path = out.with_stem(f"{out.stem}-{number}")
+        if force or not any(other.exists() for other in _written(path)):
+            yield path
+
+
+def _write(mapper: CellMapper, stamps: list[float], out: Path) -> None:
+    """Write a map and the robot's path, and say what they are."""
+    grid, path = mapper.grid, out.with_suffix(".tum")
     save_map_yaml(grid, out)
     write_tum(path, Trajectory.of_poses(np.array(stamps), mapper.path, out.stem))
     metres = np.hypot(*np.diff(mapper.path[:, :2], axis=0).T).sum()
@@ -55,7 +83,6 @@ def map_in_cells(parsed: argparse.Namespace, method: str, *, laser: bool) -> int
     if isinstance(mapper, GraphSlam):
         say(certainty(mapper, stamps))
     say(f"the map is {out}, the robot's path {path}")
-    return 0
 
 
 def certainty(slam: GraphSlam, stamps: list[float]) -> str:
@@ -76,16 +103,26 @@ def _mapper(parsed: argparse.Namespace, method: str, laser: bool) -> CellMapper:
     return FastSlam(WALLS if laser else TAPE, start, np.random.default_rng(parsed.seed))
 
 
-def _draw(mapper: CellMapper, looks: Iterable[Observation]) -> list[float]:
-    """Draw all looks, and return their stamps [s]."""
-    stamps, has_met = [], False
-    for stamp, moved, beams in looks:
-        mapper.update(moved, beams)
-        stamps.append(stamp)
-        has_met |= bool(np.count_nonzero(beams.hit) >= FEWEST_MET)
+def _draw(
+    mapper: CellMapper, first: Observation, looks: Iterator[Observation]
+) -> tuple[list[float], Observation | None]:
+    """Draw the looks of a drive.
+
+    Returns:
+        Their stamps [s], none if there is nothing to draw; and the first look of the next drive.
+    """
+    stamps: list[float] = []
+    has_met, following = False, None
+    for look in chain([first], looks):
+        if look.begins and stamps:
+            following = look
+            break
+        mapper.update(look.moved, look.beams)
+        stamps.append(look.stamp)
+        has_met |= bool(np.count_nonzero(look.beams.hit) >= FEWEST_MET)
         if sys.stderr.isatty():
             sys.stderr.write(f"\r{len(stamps)} looks are drawn")
     if len(stamps) < 2 or not has_met:
-        raise MappingError("nothing was met on the way; a map needs a drive with walls or tape")
+        return [], following
     mapper.finish()
-    return stamps
+    return stamps, following

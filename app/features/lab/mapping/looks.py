@@ -12,7 +12,7 @@ import numpy as np
 from app.console import say
 from app.features.lab.localize.reading.bag import Bag
 from app.features.lab.localize.reading.bag_files import PACKED, files_of, require_bag
-from app.features.lab.localize.reading.carmen import is_carmen_log, measurements
+from app.features.lab.localize.reading.carmen import CarmenLog, is_carmen_log
 from app.features.lab.localize.reading.lasers import Lasers, find_lasers
 from app.features.lab.localize.reading.pairing import Measurement, require_clock
 from app.features.lab.mapping.command import read_drive
@@ -39,6 +39,8 @@ class Observation(NamedTuple):
     stamp: float
     moved: Pose2
     beams: Beams
+    begins: bool = False
+    """Whether it is the first of another drive."""
 
 
 def is_laser_bag(recording: Path) -> bool:
@@ -87,22 +89,24 @@ def scans(parsed: argparse.Namespace) -> Iterator[Observation]:
         BagError, SettingError, OSError: says what cannot be used.
     """
     require_clock(parsed.clock)
-    last: _Begun | None = None
-    newest, late = -np.inf, 0
-    for measured in _measured(parsed):
-        stamp = measured.scan.stamp
-        if stamp <= newest:
-            late += 1
-            continue
-        newest = stamp
-        if last is None or last.is_left(measured.odom_from_robot):
-            if last is not None:
-                yield last.look
-            last = _Begun(measured, last)
-        else:
-            last.join(measured)
-    if last is not None:
-        yield last.look
+    late = 0
+    for drive in _drives(parsed):
+        last: _Begun | None = None
+        newest = -np.inf
+        for measured in drive:
+            stamp = measured.scan.stamp
+            if stamp <= newest:
+                late += 1
+                continue
+            newest = stamp
+            if last is None or last.is_left(measured.odom_from_robot):
+                if last is not None:
+                    yield last.look
+                last = _Begun(measured, last)
+            else:
+                last.join(measured)
+        if last is not None:
+            yield last.look
     if late:
         say(f"left out, as their stamps do not rise: {late} scans")
 
@@ -114,7 +118,7 @@ class _Begun:
         pose, scan = measured
         self._pose, self._lasers = pose, {scan.robot_from_scan}
         moved = Pose2() if before is None else before._pose.inverse() @ pose
-        self.look = Observation(scan.stamp, moved, Beams.of_scan(scan, REACH_M))
+        self.look = Observation(scan.stamp, moved, Beams.of_scan(scan, REACH_M), before is None)
 
     def is_left(self, pose: Pose2) -> bool:
         """Whether the robot has come far enough for the next look."""
@@ -132,15 +136,19 @@ class _Begun:
         self.look = self.look._replace(beams=self.look.beams.and_of(beams))
 
 
-def _measured(parsed: argparse.Namespace) -> Iterator[Measurement]:
+def _drives(parsed: argparse.Namespace) -> Iterator[Iterator[Measurement]]:
+    """Yield the scans of each drive in a recording; all but the first are of logs."""
     if is_carmen_log(parsed.recording):
-        yield from measurements(parsed.recording)
+        log = CarmenLog(parsed.recording)
+        yield from log.drives()
+        for line in log.remarks:
+            say(line)
         return
     with Bag(parsed.recording) as bag:
         lasers = find_lasers(bag, parsed)
         for line in (line for laser in lasers for line in laser.words):
             say(line)
         pairing = Lasers(bag, lasers, parsed.clock)
-        yield from pairing.measurements()
+        yield pairing.measurements()
         for line in (*pairing.remarks, *pairing.left_out.lines(), *bag.damages):
             say(line)

@@ -1,5 +1,6 @@
 import asyncio
 import threading
+import time
 
 from app.engine.mailboxes.latest import Latest
 
@@ -52,3 +53,21 @@ def test_a_reader_that_has_left_is_forgotten():
     latest.put(2)
     assert len(woken) == 1
     assert latest.get() == 2
+
+
+def test_a_slow_reader_gets_what_is_newest_when_it_is_due_and_the_last_of_all():
+    async def read():
+        latest = Latest()
+        with latest.subscribe(rate=20.0) as subscription:
+            begin, got = time.monotonic(), []
+            for value in range(3):
+                latest.put(value)
+                got.append(await subscription.next())
+            latest.put("newer")
+            latest.put("last")
+            got.append(await subscription.next())
+            return got, time.monotonic() - begin
+
+    got, passed = asyncio.run(asyncio.wait_for(read(), 5))
+    assert got == [0, 1, 2, "last"]
+    assert passed > 2 / 20

@@ -134,16 +134,39 @@ def test_a_bag_becomes_a_map(tmp_path: Path, capsys: pytest.CaptureFixture[str],
     assert (far < 0.1).mean() > 0.85
 
 
-def test_a_scan_with_an_earlier_stamp_is_left_out_and_told(
+def test_a_scan_with_an_earlier_stamp_is_taken_by_its_line_and_told(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     _, steps, scans = rooms.lap(6, 8)
-    scans[4] = replace(scans[4], stamp=scans[3].stamp - 0.1)
+    scans[4] = replace(scans[4], stamp=scans[2].stamp - 0.1)
     rooms.write_log(tmp_path / "room.log", steps, scans, Pose2())
     out = tmp_path / "room.yaml"
     assert main(["map", str(tmp_path / "room.log"), "--out", str(out)]) == 0
-    assert "stamps do not rise: 1 scans" in capsys.readouterr().out
-    assert len(parse_tum(out.with_suffix(".tum").read_text(), "path").stamps) == 7
+    assert "stamps do not rise: 1 of 8" in capsys.readouterr().out
+    stamps = parse_tum(out.with_suffix(".tum").read_text(), "path").stamps
+    np.testing.assert_allclose(stamps, 0.5 * np.arange(8))
+
+
+def test_each_drive_in_a_log_becomes_a_map_of_its_own(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    log, out = tmp_path / "both.log", tmp_path / "both.yaml"
+    parts = []
+    for seed, looks in ((6, 8), (7, 9)):
+        _, steps, scans = rooms.lap(seed, looks)
+        rooms.write_log(log, steps, scans, Pose2())
+        # No head tells where the second one begins: its clock does.
+        parts.append("\n".join(log.read_text().splitlines()[2:]) + "\n")
+    log.write_text("".join(parts))
+    (tmp_path / "both-2.yaml").write_text("taken")
+    assert main(["map", str(log), "--out", str(out)]) == 0
+    assert "line 18: another drive begins, as its clock" in capsys.readouterr().out
+    lengths = [
+        len(parse_tum((tmp_path / name).read_text(), "path").stamps)
+        for name in ("both.tum", "both-3.tum")
+    ]
+    assert lengths == [8, 9]
+    assert (tmp_path / "both-2.yaml").read_text() == "taken"
 
 
 def test_a_graph_needs_a_laser(capsys: pytest.CaptureFixture[str]) -> None:

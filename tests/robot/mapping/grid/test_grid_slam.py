@@ -1,6 +1,7 @@
 """Occupancy grids drawn by particles: cells, likelihood, climbing, and whole drives."""
 
 import math
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.command_line import main
-from app.features.lab.localize.reading.carmen import measurements
+from app.features.lab.localize.reading.carmen import CarmenLog
 from app.features.lab.localize.reading.sources import BagError
 from app.features.lab.trajectories.reading import parse_tum
 from robot.fields.grid_map import load_map_yaml
@@ -139,7 +140,7 @@ def test_what_a_laser_cannot_do_is_refused(
 def test_a_log_keeps_scans_and_odometry(tmp_path: Path) -> None:
     _, steps, scans = rooms.lap(4, 5)
     rooms.write_log(tmp_path / "room.clf", steps, scans, Pose2(1.0, 2.0, 0.5))
-    read = list(measurements(tmp_path / "room.clf"))
+    read = list(chain(*CarmenLog(tmp_path / "room.clf").drives()))
     assert len(read) == 5
     for measured, scan in zip(read, scans, strict=True):
         assert measured.scan.stamp == pytest.approx(scan.stamp)
@@ -155,7 +156,7 @@ def test_a_newer_log_tells_its_lasers_view(tmp_path: Path) -> None:
         "ROBOTLASER1 0 -1.0 2.0 1.0 30.0 0.01 0 3 1.5 31.0 2.5 0 "
         "1.1 2.0 0.0 1.0 2.0 0.0 0 0 0 0 0 7.5 host 0.1\n"
     )
-    (measured,) = measurements(path)
+    (measured,) = chain(*CarmenLog(path).drives())
     assert measured.odom_from_robot == Pose2(1.0, 2.0, 0.0)
     assert measured.scan.robot_from_scan.x == pytest.approx(0.1)
     assert measured.scan.ranges.tolist() == [1.5, math.inf, 2.5]
@@ -167,7 +168,7 @@ def test_the_greatest_range_of_a_laser_is_no_wall(tmp_path: Path) -> None:
     path = tmp_path / "short.log"
     read = " ".join(["2.500"] * 3 + ["5.600"] * 8 + ["5.590"])
     path.write_text(f"FLASER 12 {read} 0 0 0 0 0 0 1.0 host 1.0\n")
-    (measured,) = measurements(path)
+    (measured,) = chain(*CarmenLog(path).drives())
     assert measured.scan.ranges.tolist() == [2.5] * 3 + [math.inf] * 8 + [5.59]
 
 
@@ -185,7 +186,7 @@ def test_a_broken_log_is_told(tmp_path: Path, text: str, words: str) -> None:
     path = tmp_path / "broken.log"
     path.write_text(text)
     with pytest.raises(BagError, match=words):
-        list(measurements(path))
+        list(chain(*CarmenLog(path).drives()))
 
 
 @given(st.text(max_size=200))
@@ -193,4 +194,4 @@ def test_any_text_is_read_or_refused(tmp_path_factory, text: str) -> None:
     path = tmp_path_factory.mktemp("logs") / "any.log"
     path.write_text("FLASER " + text, encoding="utf-8", errors="replace")
     with pytest.raises(BagError):
-        list(measurements(path))
+        list(chain(*CarmenLog(path).drives()))

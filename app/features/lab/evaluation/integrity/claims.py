@@ -21,10 +21,10 @@ from robot.geometry import Array, Pose2, wrap_angle
 from robot.localization.estimate import Cause, Integrity, State
 from robot.localization.models.entry_field import EntryField
 
-STARTS = ("known", "told-wrong", "scattered", "carried", "moved")
+STARTS = ("known", "told-wrong", "scattered", "carried", "known-carried", "moved")
 """What the filter knows at the start: the true pose, give or take 1 cm and 0.03 rad; a pose that
-is 0.14 m and 0.3 rad off; nothing; nothing, with the robot carried off later; and the true pose,
-with the robot moved a little while it stands."""
+is 0.14 m and 0.3 rad off; nothing; nothing or the true pose, with the robot carried off later while
+it drives; and the true pose, with the robot moved a little while it stands."""
 
 TOLD = 8
 """Number of the random stream, beside the seed, that the error of a known start is drawn from."""
@@ -152,6 +152,7 @@ _STARTERS: dict[str, Callable[[Localization, Drive, Config], None]] = {
     "told-wrong": _tell_wrong,
     "scattered": _tell_nothing,
     "carried": _tell_nothing,
+    "known-carried": _tell_known,
     "moved": _tell_known,
 }
 

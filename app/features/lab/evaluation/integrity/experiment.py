@@ -29,6 +29,7 @@ from sim.engines import engine_version
 
 KIDNAPPED: dict[str, Callable[[Config], TrialDrive]] = {
     "carried": carried_drive,
+    "known-carried": carried_drive,
     "moved": moved_drive,
 }
 """Starts that need a drive of their own."""
@@ -66,7 +67,10 @@ class IntegrityExperiment:
     def jobs(self) -> list[IntegrityJob]:
         """Return all drives, grouped by field, as a worker keeps the tables of the last field."""
         laps = tuple(start for start in self.starts if start not in KIDNAPPED)
-        kidnapped = [(start,) for start in self.starts if start in KIDNAPPED]
+        kidnapped = [
+            tuple(start for start in self.starts if KIDNAPPED.get(start) is drive)
+            for drive in dict.fromkeys(KIDNAPPED.values())
+        ]
         groups = [group for group in (laps, *kidnapped) if group]
         return [
             IntegrityJob(self._config(name, condition, seed), condition, group, self.laps)

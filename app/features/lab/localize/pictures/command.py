@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 from collections import Counter
 from dataclasses import replace
 from pathlib import Path
@@ -31,6 +32,7 @@ from robot.fields.edges import sample
 from robot.fields.field import Field, FieldError
 from robot.fields.field_loading import load_field
 from robot.geometry import Array, Pose2
+from robot.localization.estimate import State
 from robot.scanning.line_scanner import LineScan, LineScanner
 from robot.scanning.tape_edges import Verdict
 from robot.settings import SettingError
@@ -121,6 +123,11 @@ def localize_pictures(parsed: argparse.Namespace) -> int:
     run.follow(pictures, overlays.write if overlays else None)
     _write(out, run.result, parsed.bag, field)
     _tell(run.result, len(pictures), out)
+    if odometry is None:
+        say(
+            "without --odometry nothing tells how far the robot drives along straight tape: no "
+            "bound can be told, and it may be metres off"
+        )
     return 0
 
 
@@ -167,6 +174,15 @@ def _write(out: Path, result: LocatedPictures, folder: Path, field: Field) -> No
 def _tell(result: LocatedPictures, count: int, out: Path) -> None:
     for kind, pictures in (
         ("stale: it shows what the one before showed, but the robot has moved", result.stale),
+        (
+            "left out: picture and odometry disagree, and the next ones do not tell which is right",
+            result.disagreeing,
+        ),
+        (
+            "left out: picture and odometry disagree, and the next one agrees with the picture: "
+            "odometry jumped",
+            result.jumped,
+        ),
         ("left out: it is no picture that can be read", result.unread),
         ("left out: odometry tells nothing at its time", result.unmoved),
         ("left out: no place is known", result.unknown),
@@ -178,4 +194,33 @@ def _tell(result: LocatedPictures, count: int, out: Path) -> None:
     states = Counter(str(item.state) for item in result.located)
     claimed = ", ".join(f"{number} {state}" for state, number in states.most_common())
     say(f"{len(result.located)} of {count} pictures: {claimed}")
+    for line in _trust(result.located):
+        say(line)
     say(f"the trajectory is {out}")
+
+
+def _trust(located: list[LocatedPicture]) -> list[str]:
+    """Return lines that say how far poses can be relied on."""
+    lines = []
+    shares = [item.share for item in located if not math.isnan(item.share)]
+    if shares:
+        lines.append(
+            f"edges in the pictures that lie on the field: {np.median(shares):.0%} (median), "
+            f"at least {min(shares):.0%}"
+        )
+    bounds = [item.radius for item in located if math.isfinite(item.radius)]
+    if bounds:
+        lines.append(
+            f"the place is known to {1e3 * np.median(bounds):.0f} mm (median), at worst "
+            f"{1e3 * max(bounds):.0f} mm, in {len(bounds)} pictures; in "
+            f"{len(located) - len(bounds)} no bound can be told"
+        )
+    else:
+        lines.append("in no picture a bound can be told")
+    lost = [item.exposed - located[0].exposed for item in located if item.state is State.LOST]
+    if lost:
+        lines.append(
+            f"lost in {len(lost)} pictures, first {lost[0]:.1f} s and last {lost[-1]:.1f} s after "
+            "the first picture: what they show is not drawn where the poses are"
+        )
+    return lines

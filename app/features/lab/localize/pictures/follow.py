@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -11,11 +12,14 @@ import numpy as np
 from app.engine.build import Streams, connect
 from app.engine.localization import Localization
 from app.features.lab.localize.localize import GivenStart
+from app.features.lab.localize.pictures.field_fit import FieldFit
 from app.features.lab.localize.pictures.motion import (
     GuessedStep,
     Motion,
     SteadyMotion,
+    disagreement,
     is_stale,
+    repeats,
     twist_at,
 )
 from app.features.lab.localize.pictures.sequence import StampedPicture
@@ -27,9 +31,14 @@ from robot.driving.differential_drive import DifferentialDrive
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2
 from robot.interface import Frame, Reading, RobotError
-from robot.localization.estimate import State
+from robot.localization.estimate import Integrity, State
 from robot.localization.filter import Setup
 from robot.scanning.line_scanner import LineScan, LineScanner
+
+FOLLOWS = 0.5
+"""Odometry jumped before a picture if the next one agrees with it so much better, by the motion of
+its corners, than with the one before. On the lane's sequence, and on it with jumps of 24 degrees,
+half and twice of it decide alike."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +53,10 @@ class LocatedPicture:
     covariance: Array = field(repr=False)
     """(3, 3) [m, m, rad] of the last update."""
     state: State
+    radius: float
+    """The place is within this distance of the pose, in 99.9 % of pictures [m]; or infinite."""
+    share: float
+    """Of the edges in the last pictures, the share on the field's; nan while it is not known."""
 
 
 @dataclass
@@ -52,7 +65,11 @@ class LocatedPictures:
 
     located: list[LocatedPicture] = field(default_factory=list)
     stale: list[StampedPicture] = field(default_factory=list)
-    """Those that repeat the picture before, although the robot has moved."""
+    """Those that show what one before showed, although the robot has moved, as later ones tell."""
+    disagreeing: list[StampedPicture] = field(default_factory=list)
+    """Those that disagree with odometry, where no later one tells which is right."""
+    jumped: list[StampedPicture] = field(default_factory=list)
+    """Those before which odometry jumped, as later ones tell."""
     unread: list[StampedPicture] = field(default_factory=list)
     """Files that hold no picture, or half of one, as when the robot was switched off."""
     to_turn: list[StampedPicture] = field(default_factory=list)
@@ -123,9 +140,12 @@ class PictureRun:
         self._guess = SteadyMotion() if odometry is None else None
         self._motion: Motion = odometry or self._guess or SteadyMotion()
         self._follower = PictureFollower(spec, field, config, start, guessing=odometry is None)
+        self._fit = FieldFit(field)
         self._config = config
         self._now: tuple[StampedPicture, Picture, Pose2] | None = None
         """The picture of the present step, and the odometry at its exposure."""
+        self._doubted: tuple[StampedPicture, Picture, Pose2] | None = None
+        """The last picture, if it disagrees with odometry."""
 
     def follow(self, pictures: Sequence[StampedPicture], show: Show | None = None) -> None:
         """Follow the robot; what is found is in ``result``.
@@ -145,6 +165,8 @@ class PictureRun:
                 self._follower.update_once()
                 engine.step()
                 self._keep(show)
+        if self._doubted is not None:
+            self._give_up(self._doubted)
 
     def _readings(self, pictures: Sequence[StampedPicture]) -> Iterator[Reading]:
         drive = DifferentialDrive(self._spec)
@@ -166,8 +188,7 @@ class PictureRun:
             if odometry is None:
                 self.result.unmoved.append(picture)
                 continue
-            if self._is_stale(image, odometry):
-                self.result.stale.append(picture)
+            if self._is_doubtful(picture, image, odometry):
                 continue
             self._now = picture, image, odometry
             yield Reading(
@@ -178,7 +199,39 @@ class PictureRun:
                 odom_from_robot=odometry,
             )
 
-    def _is_stale(self, image: Picture, odometry: Pose2) -> bool:
+    def _is_doubtful(self, picture: StampedPicture, image: Picture, odometry: Pose2) -> bool:
+        """Return whether picture and odometry disagree; it tells which of both was wrong before."""
+        doubted, self._doubted = self._doubted, None
+        if doubted is not None and self._has_jumped(doubted, image, odometry):
+            self.result.jumped.append(doubted[0])
+            return False
+        if not self._disagree(image, odometry):
+            if doubted is not None:
+                self.result.stale.append(doubted[0])
+            return False
+        if doubted is not None:
+            self._give_up(doubted)
+        self._doubted = picture, image, odometry
+        return True
+
+    def _has_jumped(
+        self, doubted: tuple[StampedPicture, Picture, Pose2], image: Picture, odometry: Pose2
+    ) -> bool:
+        """Whether a picture follows the one that disagreed, and not the one before."""
+        if self._now is None or self._guess is not None or repeats(doubted[1], image):
+            return False
+        before, since = (
+            disagreement(seen, image, pose.inverse() @ odometry, self._spec.floor_view)
+            for _, seen, pose in (self._now, doubted)
+        )
+        return since < FOLLOWS * before
+
+    def _give_up(self, doubted: tuple[StampedPicture, Picture, Pose2]) -> None:
+        """Note a picture of which later ones do not tell whether it is right."""
+        alike = self._now is not None and repeats(self._now[1], doubted[1])
+        (self.result.stale if alike else self.result.disagreeing).append(doubted[0])
+
+    def _disagree(self, image: Picture, odometry: Pose2) -> bool:
         if self._now is None:
             return False
         _, before, pose = self._now
@@ -193,15 +246,26 @@ class PictureRun:
             self.result.unknown.append(picture)
             return
         exposed, pose = line_scan.scan.stamp, belief.pose(odometry)
+        self._fit.observe(line_scan.scan, pose)
+        integrity = self._fit.judged(self._claimed(odometry))
         located = LocatedPicture(
             picture,
             exposed,
             pose,
             belief.estimate.hypotheses[0].covariance,
-            self._follower.integrity_at(odometry).state,
+            integrity.state,
+            integrity.radius,
+            self._fit.share,
         )
         self.result.located.append(located)
         if self._guess is not None:
             self._guess.learn(exposed, pose)
         if show is not None:
             show(located, image, line_scan, self._follower.scanner)
+
+    def _claimed(self, odometry: Pose2) -> Integrity:
+        claimed = self._follower.integrity_at(odometry)
+        if self._guess is None or not math.isfinite(claimed.radius):
+            return claimed
+        # Along straight tape, nothing tells a guessed step from the true one.
+        return Integrity(State.APPROXIMATE, alerts=claimed.alerts)

@@ -7,6 +7,7 @@ most of them moved much less, the second was exposed soon after the first, and s
 
 from __future__ import annotations
 
+import math
 from bisect import bisect_left
 from dataclasses import dataclass
 from typing import Any, Protocol
@@ -131,17 +132,42 @@ def is_stale(before: Picture, picture: Picture, moved: Pose2 | None, view: Floor
     """
     first, second = (cv2.cvtColor(image, cv2.COLOR_BGR2GRAY) for image in (before, picture))
     if moved is None:
-        return bool(np.abs(first.astype(np.int16) - second).mean() < ALIKE)
+        return repeats(before, picture)
+    expected, seen = _moves(first, second, moved, view)
+    # A corner that should have left what the lens can show has moved by more than any that did not.
+    claimed = np.nan_to_num(np.hypot(*expected.T), nan=np.inf)
+    if not len(claimed) or np.median(claimed) < LEAST_PX:
+        return False
+    return bool(np.median(np.hypot(*seen.T)) < SHARE * np.median(claimed))
+
+
+def disagreement(before: Picture, picture: Picture, moved: Pose2, view: FloorView) -> float:
+    """Return how far corners lie from where a motion would have moved them [px].
+
+    It is their median; infinite where too few corners can be followed.
+    """
+    first, second = (cv2.cvtColor(image, cv2.COLOR_BGR2GRAY) for image in (before, picture))
+    expected, seen = _moves(first, second, moved, view)
+    misses = np.nan_to_num(np.hypot(*(expected - seen).T), nan=np.inf)
+    return float(np.median(misses)) if len(misses) else math.inf
+
+
+def _moves(
+    first: NDArray[Any], second: NDArray[Any], moved: Pose2, view: FloorView
+) -> tuple[Array, Array]:
+    """Return by how much corners on the floor should move (n, 2), and do [px]; none if too few."""
     start, end = _tracked(first, second)
     on_floor = view.floor_points(start)
     near = np.hypot(*(on_floor - view.robot_from_camera[:2, 3]).T) < FARTHEST
     if near.sum() < FEWEST:
-        return False
-    expected = view.pixels(moved.inverse().apply(on_floor[near])) - start[near]
-    # A corner that should have left what the lens can show has moved by more than any that did not.
-    claimed = float(np.median(np.nan_to_num(np.hypot(*expected.T), nan=np.inf)))
-    seen = float(np.median(np.hypot(*(end - start)[near].T)))
-    return claimed >= LEAST_PX and seen < SHARE * claimed
+        return np.empty((0, 2)), np.empty((0, 2))
+    return view.pixels(moved.inverse().apply(on_floor[near])) - start[near], (end - start)[near]
+
+
+def repeats(before: Picture, picture: Picture) -> bool:
+    """Return whether two pictures (h, w, 3) are the same but for noise."""
+    first, second = (cv2.cvtColor(image, cv2.COLOR_BGR2GRAY) for image in (before, picture))
+    return bool(np.abs(first.astype(np.int16) - second).mean() < ALIKE)
 
 
 def _tracked(first: NDArray[Any], second: NDArray[Any]) -> tuple[Array, Array]:

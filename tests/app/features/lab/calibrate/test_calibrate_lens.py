@@ -194,3 +194,17 @@ def test_the_lens_of_opencvs_pictures_is_the_published_one(tmp_path: Path, capsy
     assert 531 < matrix[0, 0] < 537 and 531 < matrix[1, 1] < 537
     assert np.abs(matrix[:2, 2] - (342.3, 235.6)).max() < 3
     assert np.abs(matrix[:2, 2] - (341.6, 235.2)).max() < 3
+
+
+def test_another_cameras_pictures_are_refused_for_a_profile_before_they_are_searched(
+    tmp_path: Path, capsys
+) -> None:
+    folder, out = tmp_path / "wide", tmp_path / "wide.toml"
+    folder.mkdir()
+    cv2.imwrite(str(folder / "a.png"), np.full((600, 800), 128, np.uint8))
+    options = ["--squares", "9x6", "--size", "0.025", "--out", out]
+    assert run(folder, *options) == 2
+    told = capsys.readouterr().err
+    assert "a.png is of 800 x 600 px" in told
+    assert f"valid is --out {tmp_path / 'wide.yaml'}" in told
+    assert not out.exists()

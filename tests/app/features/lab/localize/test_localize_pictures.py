@@ -16,8 +16,10 @@ from taped_road import RoadDrive, drive, name
 from app.command_line import main
 from app.features.lab.trajectories.reading import parse_tum
 from app.trajectories.trajectory import Trajectory
+from app.trajectories.tum_file import write_tum
 from robot.description.camera_file import BODY_FROM_OPTICAL, with_camera
 from robot.description.spec import RobotSpec
+from robot.geometry import Pose2
 from robot.lens_files.reading import read_lens_file
 
 
@@ -80,6 +82,33 @@ def test_pictures_that_ask_to_be_turned_are_followed_as_they_are(
     assert f"(and {count} others) says by EXIF that it is to be" in capsys.readouterr().out
 
 
+@pytest.mark.parametrize("kind", ["particles", "kalman", "hypotheses"])
+def test_a_wrong_start_is_lost_with_every_filter_and_never_certain(
+    kind: str, road_drive, tmp_path, capsys
+) -> None:
+    config = tmp_path / "filter.toml"
+    config.write_text(f'[localization.filter]\nfilter = "{kind}"\n')
+    options = ["--odometry", road_drive.odometry, "--config", config]
+    located(road_drive, tmp_path / "right.tum", *options)
+    told = capsys.readouterr().out
+    assert int(told.split("lie on the field: ")[1].split("%")[0]) > 90
+    assert "lost in" not in told
+    wrong = "--initial-pose", -0.5, 0.2, 0.8, "--sd-xy", 0.02, "--sd-theta", 0.05
+    located(road_drive, tmp_path / "wrong.tum", *options, *wrong)
+    told = capsys.readouterr().out
+    assert " certain" not in told
+    assert "lost in" in told
+    assert float(told.split("first ")[1].split()[0]) <= 2.0
+
+
+def test_without_odometry_no_bound_is_told(road_drive, tmp_path, capsys) -> None:
+    located(road_drive, tmp_path / "out.tum")
+    told = capsys.readouterr().out
+    assert " certain" not in told
+    assert "in no picture a bound can be told" in told
+    assert "without --odometry" in told
+
+
 def test_without_odometry_it_goes_on_as_it_went(road_drive, tmp_path) -> None:
     trajectory = located(road_drive, tmp_path / "out.tum")
     true = np.array([pose.to_array() for pose in road_drive.truth])
@@ -104,6 +133,22 @@ def test_a_stale_picture_is_told_by_name_and_left_out(road_drive, tmp_path, caps
     assert f"{names[13]} is stale" in capsys.readouterr().out
     assert len(trajectory.stamps) == len(names) - 6
     assert errors(seen, trajectory)[3:].max() < 0.012
+
+
+def test_an_odometry_that_jumps_is_told_and_costs_one_picture(road_drive, tmp_path, capsys) -> None:
+    moved = parse_tum(road_drive.odometry.read_text(), "odometry")
+    jump = Pose2(0.0, 0.0, 0.45)
+    after = [(jump @ Pose2.from_array(pose)).to_array() for pose in moved.poses[12:]]
+    write_tum(
+        tmp_path / "jump.tum",
+        Trajectory.of_poses(list(moved.stamps), np.vstack([moved.poses[:12], after])),
+    )
+    trajectory = located(road_drive, tmp_path / "out.tum", "--odometry", tmp_path / "jump.tum")
+    told = capsys.readouterr().out
+    assert "is stale" not in told, told
+    assert f"{name(road_drive.stamps[12])} is left out: picture and odometry disagree" in told
+    assert "odometry jumped" in told
+    assert len(trajectory.stamps) == len(road_drive.stamps) - 1
 
 
 def test_half_a_picture_and_what_macos_leaves_beside_pictures_cost_only_themselves(
