@@ -35,6 +35,7 @@ export type Command =
   | SetParametersCommand
   | SetParticlesCommand
   | SetPoseCommand
+  | SetWallsCommand
   | ShowCommand
   | StartMapCommand
   | StopCommand
@@ -149,6 +150,26 @@ export interface CompilingMessage {
   done: number;
   /** Functions that are to be compiled, those included. */
   total: number;
+}
+
+/** The inflation layer: what each cell costs on a way to a goal, in nav2's numbers. */
+export interface CostsMessage {
+  x: number;
+  /** Lower left corner of the cells in the map [m]. */
+  y: number;
+  /** Side of a cell [m]. */
+  step: number;
+  columns: number;
+  rows: number;
+  /** Walls farther away cost nothing [m]. */
+  inflation_radius: number;
+  /** How soon the cost falls with the distance [1/m]. */
+  cost_scaling_factor: number;
+  /**
+   * base64 of a byte a cell, row by row from below: 254 is a wall, 253 where the robot cannot
+   * turn, 252 to 1 the nearer a wall the more, 0 free.
+   */
+  cells: string;
 }
 
 /** A closed curve, which is driven lap after lap. */
@@ -1179,6 +1200,20 @@ export interface SetPoseCommand {
   covariance?: number[] | null;
 }
 
+/**
+ * Say what the robot must not touch on its way to goals, besides shapes on the floor. It holds
+ * until the field is loaded again.
+ */
+export interface SetWallsCommand {
+  /** Repeated in the answer. */
+  id?: number | string | null;
+  type: "set_walls";
+  /** Whether the robot may cross tape; null leaves that as it is. */
+  tape?: "wall" | "ignored" | null;
+  /** All keep-out zones: each by its corners; an empty list removes them, null leaves them. */
+  zones?: [number, number][][] | null;
+}
+
 /** Switch a layer of the 3D view on or off; all viewers share that view. */
 export interface ShowCommand {
   /** Repeated in the answer. */
@@ -1257,6 +1292,8 @@ export interface TelemetryMessage {
   mapping?: MappingMessage | null;
   /** Null before the first goal. */
   navigation?: NavigationMessage | null;
+  /** When it was last said what the robot does not touch; ``/api/navigation/walls`` has it. */
+  walls?: number | null;
   /** Null if this is not a replay. */
   replay?: ReplayMessage | null;
   /** Further values, by name; absent without any. */
@@ -1325,4 +1362,12 @@ export interface UseFieldCommand {
   type: "use_field";
   /** One of ``/api/fields``, or generated- and a number. */
   name: string;
+}
+
+/** What the robot does not touch on its way to goals, besides shapes on the floor. */
+export interface WallsMessage {
+  /** Whether it may cross tape. */
+  tape: "wall" | "ignored";
+  /** Keep-out zones: x, y [m] of their corners. */
+  zones: [number, number][][];
 }

@@ -103,8 +103,8 @@ class Companions:
         return any(getattr(companion, "needs_pictures", False) for _, companion in self._each)
 
     def shown(self, controls: Controls) -> Mapping[str, object]:
-        """Return what they show of themselves in this tick, by the features' names."""
-        shown: dict[str, object] = {}
+        """Return what they show in this tick, by the features' names, and what commands keep."""
+        shown = controls.kept.copy()
         for name, companion in self._each:
             try:
                 if (own := getattr(companion, "shown", None)) is not None:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -42,6 +43,7 @@ class EngineState:
     """Stamp of the last picture [s]; the picture is not stored, as the next one replaces it."""
     driving: tuple[Any, ...] | None = None
     """Of ``Driving``."""
+    kept: Mapping[str, object] = field(default_factory=dict)
 
 
 class Controls:
@@ -77,6 +79,8 @@ class Controls:
         self.problems = Problems()
         self.stamp = 0.0
         """Stamp of the last reading [s]."""
+        self.kept: dict[str, object] = {}
+        """What commands of features keep in the engine, by a name: values that nobody changes."""
 
     @property
     def localization(self) -> Localization:
@@ -102,6 +106,7 @@ class Controls:
             self.odom_from_scan,
             stamp,
             self.driving.state,
+            self.kept.copy(),
         )
 
     def restore(self, state: EngineState) -> None:
@@ -113,6 +118,7 @@ class Controls:
             self.driving.restore(state.driving)
         self.odometry = state.odometry
         self.follower = state.localization
+        self.kept = dict(state.kept)
         self.map_from_odom = state.map_from_odom
         self.odom_from_scan = state.odom_from_scan
         stamp = state.picture_stamp

@@ -114,7 +114,7 @@ class Snapshot:
     drawn: DrawnMap | None = field(default=None, repr=False)
     """The map that is drawn by driving; None without one."""
     added: Mapping[str, Any] = field(default_factory=dict, repr=False)
-    """What companions show of themselves, by the names of their features."""
+    """What companions show of themselves, by the names of their features; and ``Controls.kept``."""
     faults: SimSettings | None = field(default=None, repr=False)
     """What is wrong with a simulated robot and its camera; None of a real one."""
     replay: ReplayState | None = None

@@ -285,6 +285,8 @@ class TelemetryMessage(Message):
     """Null while no map is drawn."""
     navigation: NavigationMessage | None = None
     """Null before the first goal."""
+    walls: float | None = None
+    """When it was last said what the robot does not touch; ``/api/navigation/walls`` has it."""
     replay: ReplayMessage | None = None
     """Null if this is not a replay."""
     values: Annotated[

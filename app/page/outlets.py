@@ -37,7 +37,7 @@ class Closable(Protocol):
         ...
 
 
-MEMBERS = frozenset({"recording", "calibration", "mapping", "navigation", "replay"})
+MEMBERS = frozenset({"recording", "calibration", "mapping", "navigation", "walls", "replay"})
 """Members of ``TelemetryMessage`` that outlets fill; what is new is a ``Value``."""
 T = TypeVar("T")
 C = TypeVar("C", bound=Closable)

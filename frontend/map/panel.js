@@ -68,7 +68,7 @@ export class MapPanel {
   constructor(loop, order, goHome, journey) {
     this.surface = new Surface(find("map-canvas", HTMLCanvasElement), () => this.#resized());
     this.scene = new Scene(this.surface, this.#view);
-    this.scene.journey = journey;
+    this.journey = this.scene.journey = journey;
     const visible = () => this.surface.visible;
     this.refresh = loop.add(() => this.#paint(), { visible, hertz: HERTZ });
     this.telling = new Telling(order, (pose) => journey.go(pose));
@@ -77,6 +77,8 @@ export class MapPanel {
       () => this.scene.telemetry?.estimate?.theta ?? 0,
       () => this.#view.scale,
       (tool, pose) => {
+        const theta = this.tool.aimed ? pose.theta : null;
+        if (tool === "goal" && journey.planning?.take({ ...pose, theta })) return;
         this.#tell(tool, pose);
         // The next drag shall not move the robot again.
         this.#choose("look");
@@ -128,6 +130,9 @@ export class MapPanel {
     this.scene.telemetry = telemetry;
     this.scene.paths.add(telemetry);
     this.scene.particles?.follow(telemetry);
+    // Zones are shown to all, whoever drew them.
+    if (telemetry.walls && !this.journey.planning) this.planning();
+    this.journey.planning?.follow(telemetry);
     // Whoever let the filter wait, here it shows: a lesson's button, or another page.
     if (telemetry.filter.hand && !this.#waits) this.particles().then((panel) => panel.showHand());
     this.#waits = Boolean(telemetry.filter.hand);
@@ -216,6 +221,8 @@ export class MapPanel {
     this.measure.arm(tool === "measure");
     if (tool === "ask") this.particles().then((panel) => panel.arm(this.tool.tool === tool));
     else this.scene.particles?.arm(false);
+    if (tool === "goal") this.planning().then((planning) => planning.arm(this.tool.tool === tool));
+    else this.journey.planning?.arm(false);
     for (const button of this.#tools) {
       button.setAttribute("aria-pressed", String(button.dataset.tool === tool));
     }
@@ -224,6 +231,13 @@ export class MapPanel {
     this.surface.canvas.toggleAttribute("data-own-arrows", tool === "measure");
     setText(this.#hint, HINTS[tool]);
     this.refresh();
+  }
+
+  /** What belongs to goals; it is loaded when it is first used. */
+  async planning() {
+    const { Planning } = await import("../features/navigation/planning.js");
+    this.journey.planning ??= new Planning(this.journey, this.#view, this.gestures, this.refresh);
+    return this.journey.planning;
   }
 
   /** What particles say, beside the map; it is loaded when it is first used. */

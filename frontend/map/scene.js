@@ -102,10 +102,12 @@ export class Scene {
    * @param {number} pixel [m]
    */
   #paintBelief(context, telemetry, pixel) {
+    this.journey?.planning?.paintBelow(context);
     this.particles?.paintLandscape(context);
     this.#inMetres(context, () => {
       drawing.drawScan(context, telemetry.scan, pixel);
       this.paths.draw(context, pixel);
+      this.journey?.planning?.paint(context, pixel);
       const { way = null } = this.journey ?? {};
       if (way && telemetry.navigation) {
         drawJourney(context, way, telemetry.navigation.target, this.#outline, pixel);

@@ -11,6 +11,8 @@ export class PoseTool {
   tool = "look";
   /** The pose that the user is pointing out. @type {PoseMessage | null} */
   draft = null;
+  /** Whether the drag was long enough to set a heading. */
+  aimed = false;
 
   /**
    * @param {() => number} heading used if the drag sets none [rad]
@@ -29,6 +31,7 @@ export class PoseTool {
 
   /** @param {number} x @param {number} y */
   press(x, y) {
+    this.aimed = false;
     this.draft = { x, y, theta: this.heading() };
   }
 
@@ -37,6 +40,7 @@ export class PoseTool {
     if (!this.draft) return;
     const [dx, dy] = [x - this.draft.x, y - this.draft.y];
     const far = Math.hypot(dx, dy) * this.scale() >= SHORTEST;
+    this.aimed = far;
     this.draft = { ...this.draft, theta: far ? Math.atan2(dy, dx) : this.draft.theta };
   }
 

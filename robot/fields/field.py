@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -64,6 +65,8 @@ class Field:
     """Start pose of the robot in the map frame."""
     grid: OccupancyGrid | None = field(default=None, repr=False)
     """The ROS map that the field comes from; None if the field is of tape."""
+    notes: Mapping[str, str] = field(default_factory=dict, repr=False)
+    """Attributes ``data-...`` of its drawing, which a feature may read."""
 
     def __post_init__(self) -> None:
         if self.edges.ndim != 2 or self.edges.shape[1] != 4 or not len(self.edges):

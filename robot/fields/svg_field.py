@@ -97,6 +97,7 @@ def _painted(page: Page, name: str) -> Field:
         edges=outline(area),
         tape=tape.kinds,
         start=_start(page.start),
+        notes=page.notes,
     )
 
 

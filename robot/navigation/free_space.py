@@ -13,9 +13,10 @@ from numpy.typing import NDArray
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2
 from robot.navigation.settings import NavigationSettings
+from robot.navigation.walls import Walls
 
-LETHAL = 253
-"""nav2's cost of a cell where the robot's middle touches a wall."""
+LETHAL, INSCRIBED = 254, 253
+"""nav2's costs of a cell in a wall, and of one where the robot's middle cannot be."""
 COST_WEIGHT = 6.0
 """What a cell beside a wall costs more than a free one, in free cells."""
 BODY_STEP = 0.012
@@ -41,23 +42,30 @@ class FreeSpace:
     settings: NavigationSettings
 
     @classmethod
-    def of(cls, field: Field, outline: Array, settings: NavigationSettings) -> FreeSpace:
+    def of(
+        cls,
+        field: Field,
+        outline: Array,
+        settings: NavigationSettings,
+        said: Walls = Walls(),
+    ) -> FreeSpace:
         """Return the free space of a field for a robot's outline (k, 2) [m].
 
-        Walls are the edge of the floor, tape if the settings say so, other dark shapes, and what is
-        not free on a ROS map.
+        Walls are the edge of the floor, tape unless it is ignored, other dark shapes, what is not
+        free on a ROS map, and the zones that are ``said``.
         """
         if field.grid is None:
             grid = field.light_cells(field.extent)
         else:  # along the map frame's axes, as it may lie turned in it
             grid = field.occupancy(field.grid.resolution)
         walls = ~grid.free
-        if settings.tape == "ignored" and field.tape:
+        if said.ignore_tape(field, settings) and field.tape:
             tape = field.occupancy(grid.resolution).data > 0
             around = np.ones((2 * BEYOND + 1, 2 * BEYOND + 1), np.uint8)
             grown = cv2.dilate(tape.astype(np.uint8), around) > 0
             rows, columns = (min(a, b) for a, b in zip(grown.shape, walls.shape, strict=True))
             walls[:rows, :columns] &= ~grown[:rows, :columns]
+        walls |= said.cells((grid.origin.x, grid.origin.y), grid.resolution, walls.shape)
         framed = np.pad(walls, 1, constant_values=True)
         cells = cv2.distanceTransform(
             (~framed).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE
@@ -113,17 +121,35 @@ class FreeSpace:
         The robot may have any heading in a cell that is no wall. Costs fall with the distance to
         walls as in nav2's inflation layer.
         """
-        height, width = self.shape
-        resolution = self.settings.resolution
-        rows, columns = np.mgrid[:height, :width] + 0.5
-        points = np.column_stack([columns.ravel(), rows.ravel()]) * resolution + self.origin
-        distance = self.clearance(points).reshape(height, width)
-        # A path between the middles of cells comes nearer to walls by up to half a diagonal.
-        needed = self.radius + self.settings.clearance + resolution * math.sqrt(0.5)
-        near = np.exp(-self.settings.cost_scaling_factor * np.maximum(distance - needed, 0.0))
-        near[distance > self.settings.inflation_radius] = 0.0
-        costs = np.where(distance < needed, np.inf, 1.0 + COST_WEIGHT * near)
+        near, distance = self._inflation()
+        costs = np.where(distance < self._needed, np.inf, 1.0 + COST_WEIGHT * near)
         return costs.astype(np.float32)
+
+    def layer(self) -> NDArray[np.uint8]:
+        """Return the same in nav2's numbers (h, w).
+
+        254 is a wall, 253 where the robot could not turn, then from 252 down to 0, which is free.
+        """
+        near, distance = self._inflation()
+        layer = np.where(distance < self._needed, INSCRIBED, np.rint((INSCRIBED - 1) * near))
+        return np.where(distance <= 0, LETHAL, layer).astype(np.uint8)
+
+    @property
+    def _needed(self) -> float:
+        """The least distance to walls where the robot may have any heading [m]."""
+        # A path between the middles of cells comes nearer to walls by up to half a diagonal.
+        return self.radius + self.settings.clearance + self.settings.resolution * math.sqrt(0.5)
+
+    def _inflation(self) -> tuple[Array, Array]:
+        """Return how near walls are, from 1 down to 0, and their distance [m], both (h, w)."""
+        height, width = self.shape
+        rows, columns = np.mgrid[:height, :width] + 0.5
+        points = np.column_stack([columns.ravel(), rows.ravel()]) * self.settings.resolution
+        distance = self.clearance(points + self.origin).reshape(height, width)
+        beyond = np.maximum(distance - self._needed, 0.0)
+        near = np.exp(-self.settings.cost_scaling_factor * beyond)
+        near[distance > self.settings.inflation_radius] = 0.0
+        return near, distance
 
     @property
     def shape(self) -> tuple[int, int]:

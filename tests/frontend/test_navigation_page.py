@@ -47,6 +47,41 @@ def test_a_drag_on_the_map_sends_the_robot_there_and_it_arrives(page, server):
     assert abs(truth["theta"] - math.pi / 2) < 0.05
 
 
+def choose(page, name):
+    page.locator("#planning").get_by_role("button", name=name, exact=True).click()
+
+
+def test_several_goals_are_pressed_and_driven_to(page, server):
+    page.get_by_role("button", name="go to", exact=True).first.click()
+    choose(page, "several")
+    for place in ((0.1, 0.1), (-0.1, 0.1), (-0.1, -0.1)):
+        drag(page, place, place)
+    choose(page, "take back")
+    choose(page, "drive to 2 goals")
+    expect(page.locator("#journey-text")).to_contain_text("goal 1 of 2")
+    expect(page.locator("#journey-text")).to_contain_text("goal 2 of 2")
+    expect(page.locator("#journey-text")).to_have_text("goal: arrived")
+    truth = page.evaluate("() => window.brickpose.telemetry.truth")
+    assert math.dist((truth["x"], truth["y"]), (-0.1, 0.1)) < 0.008
+
+
+def test_a_zone_is_drawn_refuses_goals_shows_its_costs_and_is_removed(page, server):
+    page.get_by_role("button", name="go to", exact=True).first.click()
+    choose(page, "keep out")
+    drag(page, (0.2, 0.2), (0.35, 0.35))
+    expect(page.locator("#planning")).to_contain_text("remove the zone")
+    with server.live() as socket:
+        told = until(socket, lambda now: now["walls"] > 0)
+    assert told["mode"] == "idle"
+    choose(page, "costs")
+    expect(page.locator("#planning + p")).to_contain_text("inflation_radius")
+    drag(page, (0.27, 0.27), (0.27, 0.27))
+    expect(page.locator("#toasts")).to_contain_text("keep-out zone")
+    page.get_by_role("button", name="go to", exact=True).first.click()
+    choose(page, "remove the zone")
+    expect(page.locator("#planning")).not_to_contain_text("remove the zone")
+
+
 def test_cancel_ends_the_journey(page, server):
     page.get_by_role("button", name="type a pose").click()
     for name, value in (("pose-x", "-300"), ("pose-y", "-250"), ("pose-heading", "0")):
@@ -63,6 +98,26 @@ def test_a_goal_on_tape_is_refused_and_the_page_says_why(page, server):
     page.get_by_role("button", name="go to", exact=True).first.click()
     drag(page, (0.5, 0.0), (0.6, 0.0))
     expect(page.locator("#toasts")).to_contain_text("on a wall")
+
+
+@pytest.mark.parametrize(("x", "words"), [("9000", "beyond the field"), ("500", "on a wall")])
+def test_a_typed_goal_that_is_none_is_refused_and_the_page_says_why(page, server, x, words):
+    page.get_by_role("button", name="type a pose").click()
+    for name, value in (("pose-x", x), ("pose-y", "0"), ("pose-heading", "0")):
+        page.locator(f"#{name}").fill(value)
+    page.locator("#numbers-goal").click()
+    expect(page.locator("#toasts")).to_contain_text(words)
+
+
+def test_while_the_filter_is_paused_the_page_says_so(page, server):
+    with server.live() as socket:
+        assert ask(socket, type="pause")["type"] == "ack"
+        page.wait_for_function("window.brickpose.telemetry.filter.paused")
+        page.get_by_role("button", name="go to", exact=True).first.click()
+        drag(page, (0.1, 0.0), (0.1, 0.1))
+        expect(page.locator("#toasts")).to_contain_text("the filter is paused")
+        assert ask(socket, type="resume")["type"] == "ack"
+        until(socket, lambda now: now["mode"] == "idle")
 
 
 def test_a_page_that_is_closed_stops_the_robot(browser, server):

@@ -1,6 +1,7 @@
-"""Measures the grader: ``grader_trials.py [bugs pairs correct mutants checks times]``.
+"""Measures the grader: ``grader_trials.py [bugs pairs correct steering mutants checks times]``.
 
 bugs: the 22 mistakes in three writings, 20 seeds. pairs: two of them at once. correct: ten styles.
+steering: mistakes and right controllers of lesson 10, 10 seeds.
 mutants: every operator, sign, index and constant of the solutions changed. checks: which cases
 no mutant fails. times: how long.
 """
@@ -16,6 +17,7 @@ from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 
+from course import steering
 from course.correct import CORRECT
 from course.mistakes import WRITINGS, pairs
 from course.solutions import ARRAYS, KALMAN, LOOPS, MATRICES
@@ -65,6 +67,25 @@ def false_alarms(seeds: tuple[int, ...] = SEEDS) -> list[str]:
         for result in grade_often(source, f"{style}.py", lesson, seeds)
         for finding in result.findings
     ]
+
+
+def steered(seeds: tuple[int, ...] = SEEDS[:10]) -> tuple[float, list[str], list[str]]:
+    """Share of lesson 10's mistakes named first, those missed, what is said of right ones."""
+    lesson, right, missed = lesson_of(10), 0, []
+    for writing in steering.MISTAKES:
+        results = grade_often(steering.source_of(writing), "mine.py", lesson, seeds)
+        for seed, result in zip(seeds, results, strict=True):
+            named = [finding.cause for finding in result.findings]
+            right += named[:1] == [writing.code]
+            if named[:1] != [writing.code]:
+                missed.append(f"{writing.code} in {writing.base}, seed {seed}: {named}")
+    alarms = [
+        f"{style}: {finding.cause}"
+        for style, source in steering.ODD.items()
+        for result in grade_often(steering.HEAD + source, "mine.py", lesson, seeds)
+        for finding in result.findings
+    ]
+    return right / (len(steering.MISTAKES) * len(seeds)), missed, alarms
 
 
 OPERATORS = {
@@ -141,7 +162,11 @@ def idle_checks() -> list[str]:
     """Cases of the lessons that no mutant of a solution fails: they would be missed by nobody."""
     idle = []
     for lesson in lessons():
-        own = [item for item in mutants(ARRAYS + KALMAN) if item[0] in lesson.checks.functions]
+        own = [
+            item
+            for item in mutants(ARRAYS + KALMAN + steering.ARRAYS)
+            if item[0] in lesson.checks.functions
+        ]
         cases = lesson.checks.cases(SEED)
         left = {number for number, case in enumerate(cases) if case.play is None}
         for _, _, source in own:
@@ -188,6 +213,10 @@ def main(wanted: list[str]) -> int:
     if "correct" in wanted:
         alarms = false_alarms()
         print(f"false alarms: {len(alarms)}", *alarms, sep="\n  ")
+    if "steering" in wanted:
+        share, missed, alarms = steered()
+        print(f"lesson 10: {100 * share:.1f} % right, false alarms: {len(alarms)}")
+        print(*missed, *alarms, sep="\n  ")
     if "mutants" in wanted:
         sources = {"arrays": ARRAYS, "loops": LOOPS, "matrices": MATRICES}
         count, survivors = mutation_trial(sources)
@@ -208,4 +237,6 @@ def _counted(missed: list[str]) -> list[tuple[str, int]]:
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:] or ["bugs", "pairs", "correct", "mutants", "checks", "times"]))
+    sys.exit(
+        main(sys.argv[1:] or ["bugs", "pairs", "correct", "steering", "mutants", "checks", "times"])
+    )

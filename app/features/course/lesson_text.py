@@ -4,15 +4,22 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from html import escape
 from urllib.parse import parse_qsl, urlsplit
 
 from markdown_it import MarkdownIt
 
+Values = dict[str, object]
 HEADING = re.compile(r"^## (.+)$", re.MULTILINE)
 CHOICE = re.compile(r"^- (.+)$", re.MULTILINE)
 ACTION = re.compile(r'<a href="do:([^"]*)">(.*?)</a>')
+NESTED: Mapping[str, Callable[[Values], dict[str, object]]] = {
+    "set_parameters": lambda values: {"values": values},
+    "navigate": lambda values: {"poses": [values]},
+}
+"""Commands whose values are not beside their type."""
 MARKDOWN = MarkdownIt("js-default", {"html": False})
 MARKDOWN.validateLink = lambda url: url.startswith(("do:", "/", "https://"))  # type: ignore[method-assign]
 
@@ -60,8 +67,9 @@ def _section(name: str, body: str, *, asks: bool) -> Section:
 def _button(match: re.Match[str]) -> str:
     """Return a button that sends a command, as ``do:place?x=0.3``."""
     parts = urlsplit(match[1].replace("&amp;", "&"))
-    values = {key: _value(item) for key, item in parse_qsl(parts.query)}
-    nested = {"values": values} if parts.path == "set_parameters" else values
+    values: Values = {key: _value(item) for key, item in parse_qsl(parts.query)}
+    nesting = NESTED.get(parts.path)
+    nested = values if nesting is None else nesting(values)
     command = {"type": parts.path, **nested}
     data = escape(json.dumps(command), quote=True)
     return f'<button type="button" data-command="{data}">{match[2]}</button>'

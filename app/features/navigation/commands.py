@@ -4,28 +4,44 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import shapely
+
 from app.engine.command_row import CommandRow, Part, Repeat, Request, TickContext
 from app.engine.driving_commands import require_drivable
 from app.engine.program import Program
 from app.features.navigation.journey import RENEWAL, Journey, curve_of
-from app.features.navigation.messages import CancelCommand, GoalMessage, NavigateCommand
+from app.features.navigation.messages import (
+    CancelCommand,
+    GoalMessage,
+    NavigateCommand,
+    SetWallsCommand,
+)
+from app.features.navigation.walls import WALLS, polygons, walls_in
+from app.languages.marking import phrase
 from robot.errors import CommandError
 from robot.fields.field import Field
 from robot.geometry import Pose2
+from robot.navigation.walls import Walls
 
 if TYPE_CHECKING:
     from app.features.navigation.keeper import JourneyKeeper
 
+SMALLEST_M2 = 1e-6
+"""A smaller keep-out zone is a slip of the hand [m^2]."""
+DRAWN = phrase("a map is drawn; finish or discard it to drive to a goal")
 KEEPER: Part[JourneyKeeper] = Part("navigation")
 
 
 def _begin(request: Request[NavigateCommand]) -> None:
     """Begin a journey, and keep it up if its sender does not renew it."""
     command = request.command
+    keeper = request.part(KEEPER)
     if not _starts(command):
+        if keeper.map_is_drawn:
+            request.arbiter.put(request.driver, CancelCommand(type="cancel"))
+            raise CommandError(DRAWN)
         request.pass_on()
         return
-    keeper = request.part(KEEPER)
     keeper.require_known(command)
     keeper.require_free(command.poses or ())
     request.pass_on()
@@ -53,6 +69,32 @@ def _cancel(tick: TickContext[CancelCommand]) -> None:
         driving.stop()
 
 
+def _set_walls(tick: TickContext[SetWallsCommand]) -> None:
+    command, controls = tick.command, tick.controls
+    before = walls_in(controls.kept)
+    zones = before.zones if command.zones is None else polygons(command.zones)
+    said = Walls(command.tape or before.tape, zones, controls.stamp)
+    if (said.tape, said.zones) != (before.tape, before.zones):
+        controls.kept[WALLS] = said
+
+
+def _check_walls(command: SetWallsCommand, field: Field) -> None:
+    """Refuse zones that are no areas, and such as are not on the floor."""
+    for zone in command.zones or ():
+        area = shapely.Polygon(zone)
+        xmin, ymin, xmax, ymax = field.extent
+        if not area.is_valid or area.area < SMALLEST_M2:
+            raise CommandError(
+                "a keep-out zone crosses itself, or is no area; valid are three corners or more, "
+                "in their order around it"
+            )
+        if not area.intersects(shapely.box(xmin, ymin, xmax, ymax)):
+            raise CommandError(
+                f"a keep-out zone is beyond the field; valid is x {xmin:.3f} to {xmax:.3f}, "
+                f"y {ymin:.3f} to {ymax:.3f} m"
+            )
+
+
 def _check(command: NavigateCommand, program: Program) -> None:
     """Refuse a goal while nothing could tell the robot where it is."""
     if command.curve is not None:
@@ -65,7 +107,7 @@ def _check(command: NavigateCommand, program: Program) -> None:
     if latest.filter.paused or latest.filter.hand is not None:
         raise CommandError("the filter is paused; resume it to drive to a goal")
     if latest.drawn is not None:
-        raise CommandError("a map is drawn; finish or discard it to drive to a goal")
+        raise CommandError(DRAWN)
 
 
 def _check_field(command: NavigateCommand, field: Field) -> None:
@@ -93,4 +135,11 @@ COMMANDS = (
         drives=True,
     ),
     CommandRow(CancelCommand, _cancel, Repeat.RECORDED, allowed=require_drivable),
+    CommandRow(
+        SetWallsCommand,
+        _set_walls,
+        Repeat.RECORDED,
+        allowed=require_drivable,
+        check_field=_check_walls,
+    ),
 )

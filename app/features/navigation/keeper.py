@@ -5,18 +5,20 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Iterable
-from functools import cached_property
+from dataclasses import replace
 
 from app.engine.command_row import Arbiter
 from app.engine.driver import Driver
 from app.engine.program import Program
 from app.features.navigation.messages import GoalMessage, NavigateCommand
+from app.features.navigation.walls import walls_in
 from robot.errors import CommandError
 from robot.geometry import Pose2
 from robot.navigation.free_space import FreeSpace
 from robot.navigation.navigator import NavigationStatus
 from robot.navigation.planning import NoWayError, require_free
 from robot.navigation.settings import NavigationSettings
+from robot.navigation.walls import Walls
 from robot.worker_thread import WorkerThread
 
 RENEWALS = 4
@@ -37,6 +39,8 @@ class JourneyKeeper:
         )
         self._kept: tuple[Driver, Arbiter, float] | None = None
         self._lock = threading.Lock()
+        self._space: tuple[Walls, FreeSpace] | None = None
+        self._space_lock = threading.Lock()
         self._thread: WorkerThread | None = None
 
     def require_known(self, command: NavigateCommand) -> None:
@@ -58,10 +62,16 @@ class JourneyKeeper:
         for goal in goals:
             if goal.theta is None:
                 continue
+            pose, place = Pose2(goal.x, goal.y, goal.theta), f"({goal.x:.3f}, {goal.y:.3f}) m"
             try:
-                require_free(self._free, Pose2(goal.x, goal.y, goal.theta))
+                require_free(self.space(), pose)
             except NoWayError as error:
-                place = f"({goal.x:.3f}, {goal.y:.3f}) m"
+                if self.walls.zones and self._free_of(replace(self.walls, zones=())).fits(
+                    pose.to_array()[None]
+                ):
+                    raise CommandError(
+                        f"at the goal the robot would touch a keep-out zone: {place}"
+                    ) from error
                 raise CommandError(f"{error}: {place}") from error
 
     def keep(self, driver: Driver | None, arbiter: Arbiter) -> None:
@@ -80,10 +90,34 @@ class JourneyKeeper:
         if self._thread is not None:
             self._thread.stop()
 
-    @cached_property
-    def _free(self) -> FreeSpace:
+    @property
+    def walls(self) -> Walls:
+        """What was said of walls, as the newest tick has it."""
+        latest = self._program.engine.latest.get()
+        return walls_in(latest.added if latest else {})
+
+    @property
+    def map_is_drawn(self) -> bool:
+        """Whether a map is drawn by driving: the field's map then counts no more."""
+        latest = self._program.engine.latest.get()
+        return latest is not None and latest.drawn is not None
+
+    @property
+    def ignores_tape(self) -> bool:
+        """Whether the robot may cross tape."""
+        return self.walls.ignore_tape(self._program.field, self._settings)
+
+    def space(self) -> FreeSpace:
+        """Return the free space as it is now; several threads may ask."""
+        walls = self.walls
+        with self._space_lock:
+            if self._space is None or self._space[0] != walls:
+                self._space = walls, self._free_of(walls)
+            return self._space[1]
+
+    def _free_of(self, walls: Walls) -> FreeSpace:
         outline = self._program.engine.spec.outline
-        return FreeSpace.of(self._program.field, outline, self._settings)
+        return FreeSpace.of(self._program.field, outline, self._settings, walls)
 
     def _renew(self, stopping: threading.Event) -> None:
         period = self._program.config.drive.cmd_vel_timeout / RENEWALS
@@ -97,7 +131,7 @@ class JourneyKeeper:
         """Renew a journey; False if it is over, or somebody else drives."""
         latest = self._program.engine.latest.get()
         status: NavigationStatus | None = latest.added.get("navigation") if latest else None
-        over = status is None or not status.active
+        over = status is None or not status.active or self.map_is_drawn
         if over and time.monotonic() - began > BEGINS_S:
             return False
         return arbiter.renew(driver, RENEWAL)

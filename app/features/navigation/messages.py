@@ -10,6 +10,11 @@ from app.messages.message import CommandMessage, Message, Metres, Radians
 
 MOST_GOALS = 1000
 MOST_POINTS = 1000
+MOST_ZONES, MOST_CORNERS = 100, 200
+PolygonMessage = Annotated[
+    list[tuple[Metres, Metres]], Field(min_length=3, max_length=MOST_CORNERS)
+]
+"""x, y [m] of the corners."""
 
 
 class GoalMessage(Message):
@@ -64,6 +69,19 @@ class NavigateCommand(CommandMessage):
     """Whether the sender renews it itself, as ``drive``; the robot stands when that ends."""
 
 
+class SetWallsCommand(CommandMessage):
+    """Say what the robot must not touch on its way to goals, besides shapes on the floor.
+
+    It holds until the field is loaded again.
+    """
+
+    type: Literal["set_walls"]
+    tape: Literal["wall", "ignored"] | None = None
+    """Whether the robot may cross tape; null leaves that as it is."""
+    zones: Annotated[list[PolygonMessage], Field(max_length=MOST_ZONES)] | None = None
+    """All keep-out zones: each by its corners; an empty list removes them, null leaves them."""
+
+
 class CancelCommand(CommandMessage):
     """End the journey to a goal: the robot stands where it is."""
 
@@ -82,4 +100,32 @@ class NavigationPathMessage(Message):
     """x, y [m] along the way to the next goal; empty before it is planned."""
 
 
-MESSAGES = (NavigationPathMessage,)
+class WallsMessage(Message):
+    """What the robot does not touch on its way to goals, besides shapes on the floor."""
+
+    tape: Literal["wall", "ignored"]
+    """Whether it may cross tape."""
+    zones: list[list[tuple[float, float]]]
+    """Keep-out zones: x, y [m] of their corners."""
+
+
+class CostsMessage(Message):
+    """The inflation layer: what each cell costs on a way to a goal, in nav2's numbers."""
+
+    x: float
+    y: float
+    """Lower left corner of the cells in the map [m]."""
+    step: float
+    """Side of a cell [m]."""
+    columns: int
+    rows: int
+    inflation_radius: float
+    """Walls farther away cost nothing [m]."""
+    cost_scaling_factor: float
+    """How soon the cost falls with the distance [1/m]."""
+    cells: str
+    """base64 of a byte a cell, row by row from below: 254 is a wall, 253 where the robot cannot
+    turn, 252 to 1 the nearer a wall the more, 0 free."""
+
+
+MESSAGES = (NavigationPathMessage, WallsMessage, CostsMessage)

@@ -12,7 +12,8 @@ import numpy as np
 from app.engine.controls import Controls
 from app.features.navigation.choices import Choices
 from app.features.navigation.journey import Journey, curve_of
-from app.features.navigation.messages import CancelCommand
+from app.features.navigation.messages import CancelCommand, SetWallsCommand
+from app.features.navigation.walls import NOTHING_SAID, walls_in
 from app.features.own_models.error_messages import running
 from app.languages.marking import phrase
 from app.messages.commands import Command
@@ -28,6 +29,7 @@ from robot.navigation.planners import PATIENCE_S
 from robot.navigation.planning import NoWayError
 from robot.navigation.settings import NavigationSettings
 from robot.navigation.timed_way import Limits
+from robot.navigation.walls import Walls
 
 FIRST_PATIENCE_S = 0.15
 """A way is driven the planner's patience after its planning began [s], on the robot's clock, so
@@ -49,12 +51,15 @@ class Pilot:
         self._config = config
         self._field = field
         self._journey: Journey | None = None
-        self._free: FreeSpace | None = None
+        self._walls = NOTHING_SAID
+        self._free: tuple[Walls, FreeSpace] | None = None
         self._future: Future[Plan] | None = None
         self._due = 0.0
         self._stamp = stamp
         self._choices = Choices(self.settings)
         self._patience = PATIENCE_S
+        self._tells = False
+        """Whether recordings shall know the walls of a journey: it may be older than they."""
         self._canceled = False
         """Whether recordings shall know that a journey was ended by something else."""
 
@@ -64,9 +69,15 @@ class Pilot:
         return self._journey is not None
 
     def commands(self, controls: Controls) -> Iterable[Command]:
-        """Tell recordings of a journey that ended before its goal."""
+        """Tell recordings of a journey that ended before its goal, and what its walls were."""
         canceled, self._canceled = self._canceled, False
-        return (CancelCommand(type="cancel", before=controls.stamp),) if canceled else ()
+        tells, self._tells = self._tells, False
+        if tells:
+            zones = [list(zone) for zone in self._walls.zones]
+            said = {"type": "set_walls", "tape": self._walls.tape, "zones": zones}
+            yield SetWallsCommand.model_validate(said)
+        if canceled:
+            yield CancelCommand(type="cancel", before=controls.stamp)
 
     def add(self, reading: Reading, controls: Controls) -> None:
         """Set the velocity of this tick, if there is a journey."""
@@ -81,6 +92,9 @@ class Pilot:
             return
         navigator = journey.helm.navigator
         tick = _tick(reading, controls)
+        self._heed_walls(navigator, walls_in(controls.kept))
+        if getattr(controls.follower, "paused", False):
+            navigator.cancel(phrase("the filter was paused"))
         self._plan(navigator, tick, controls)
         if journey.helm.taken:
             journey.helm.set(navigator.step(tick))
@@ -116,6 +130,8 @@ class Pilot:
             self.shown = before.helm.navigator.status
             self._canceled = journey is None and not before.helm.canceled
         if journey is not None:
+            self._walls = walls_in(controls.kept)
+            self._tells = self._walls != NOTHING_SAID
             limits, curve = self._limits(controls.driving.kinematics), None
             if journey.curve is not None:
                 eight = self._config.figure_eight
@@ -143,6 +159,15 @@ class Pilot:
         rim = min(drive.spec.joints[each].max_velocity * drive.radii[each] for each in wheels)
         return Limits.of(self._config.drive, self.settings, float(rim), drive.track)
 
+    def _heed_walls(self, navigator: Navigator, walls: Walls) -> None:
+        """Stand, and plan anew, when somebody has said something else of walls."""
+        if walls == self._walls:
+            return
+        self._walls = walls
+        self._future = None
+        navigator.ask_again()
+        navigator.plan_anew()
+
     def _plan(self, navigator: Navigator, tick: Sensed, controls: Controls) -> None:
         """Have a way planned, or take one that is due."""
         if self._future is not None:
@@ -150,10 +175,11 @@ class Pilot:
                 future, self._future = self._future, None
                 navigator.take(self._result(future))
             return
-        outline = controls.spec.outline
-        job = navigator.job(lambda: self._space(outline), tick)
+        outline, walls = controls.spec.outline, self._walls
+        job = navigator.job(lambda: self._space(outline, walls), tick)
         if job is not None:
-            first = FIRST_PATIENCE_S if self._free is None else 0.0
+            known = self._free is not None and self._free[0] == walls
+            first = 0.0 if known else FIRST_PATIENCE_S
             self._due = tick.stamp + self._patience + first
             self._future = self._worker.submit(job)
 
@@ -169,11 +195,11 @@ class Pilot:
         except BrickPoseError as error:
             return error
 
-    def _space(self, outline: np.ndarray) -> FreeSpace:
+    def _space(self, outline: np.ndarray, walls: Walls) -> FreeSpace:
         """Return the free space; in the thread."""
-        if self._free is None:
-            self._free = FreeSpace.of(self._field, outline, self.settings)
-        return self._free
+        if self._free is None or self._free[0] != walls:
+            self._free = walls, FreeSpace.of(self._field, outline, self.settings, walls)
+        return self._free[1]
 
 
 def _why(before: Journey, journey: Journey | None, controls: Controls) -> str:

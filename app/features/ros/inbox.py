@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cached_property
+from typing import TYPE_CHECKING
 
 from pydantic import ValidationError
 
@@ -26,6 +28,9 @@ from app.features.ros.source import TopicSource
 from app.messages.commands import Command, in_words
 from robot.errors import CommandError
 from robot.localization.parameters import LocalizationParameters
+
+if TYPE_CHECKING:
+    from app.features.ros.plans import Plans
 
 
 class Inbox:
@@ -102,6 +107,8 @@ class Inbox:
             CommandError: the command is not allowed, and the answer has no field to tell that.
         """
         service = self._service(name)
+        if service.command is None:
+            return self._plans.answer(request)
         try:
             self._do(service, request, driver)
         except CommandError as refusal:
@@ -109,6 +116,12 @@ class Inbox:
             CLIENTS_LOG.warning("%s refuses what %s asks: %s", name, driver.name, refusal)
             return answer
         return service.answer(None)
+
+    @cached_property
+    def _plans(self) -> Plans:
+        from app.features.ros.plans import Plans  # noqa: PLC0415 - the first plan
+
+        return Plans(self._program, self.source)
 
     def _service(self, name: str) -> Service:
         for service in self.services():
@@ -129,6 +142,7 @@ class Inbox:
         )
 
     def _do(self, wanted: IncomingTopic | Service, message: Message, driver: Driver) -> Command:
+        assert wanted.command is not None
         try:
             command = wanted.command(self.source, message)
         except ValidationError as error:

@@ -69,8 +69,9 @@ class Service:
     name: str
     type: str
     """As ``std_srvs/srv/Empty``."""
-    command: Callable[[TopicSource, Message], Command]
-    """Converts a request to a command; raises the same errors as that of a topic."""
+    command: Callable[[TopicSource, Message], Command] | None
+    """Converts a request to a command; raises the same errors as that of a topic. None is the
+    service that commands nothing, and answers with a plan."""
     answer: Callable[[CommandError | None], Answer] = no_fields
     """Returns the answer, by why the command was refused; or raises that."""
     slow: bool = False
@@ -206,6 +207,7 @@ SERVICES: tuple[Service, ...] = (
     Service("reinitialize_global_localization", "std_srvs/srv/Empty", _scatter),
     Service("request_nomotion_update", "std_srvs/srv/Empty", _update),
     Service("set_initial_pose", "nav2_msgs/srv/SetInitialPose", _requested_pose),
+    Service("compute_path_to_pose", "nav_msgs/srv/GetPlan", None, slow=True),
     Service("slam_toolbox/save_map", "slam_toolbox/srv/SaveMap", _save_map, _saved, slow=True),
     Service(
         "slam_toolbox/pause_new_measurements",

@@ -25,6 +25,10 @@ MORE = {
 MORE_SERVICES = {
     "std_srvs/srv/Empty": "---\n",
     "nav2_msgs/srv/SetInitialPose": "geometry_msgs/PoseWithCovarianceStamped pose\n---\n",
+    "nav_msgs/srv/GetPlan": (
+        "geometry_msgs/PoseStamped start\ngeometry_msgs/PoseStamped goal\nfloat32 tolerance\n"
+        "---\nnav_msgs/Path plan\n"
+    ),
     "slam_toolbox/srv/SaveMap": (
         "std_msgs/String name\n---\nuint8 RESULT_SUCCESS=0\nuint8 RESULT_NO_MAP_RECEIEVD=1\n"
         "uint8 RESULT_UNDEFINED_FAILURE=255\nuint8 result\n"

@@ -12,7 +12,7 @@ from app.engine.plugging import plugged
 from app.engine.snapshot import Snapshot
 from app.feature import Feature
 from app.feature_search import Features
-from app.features.ros.encoding import motion, robot_state, sensors
+from app.features.ros.encoding import motion, navigation, robot_state, sensors
 from app.features.ros.message_types import Message, from_cdr, message_class, to_cdr
 from app.features.ros.source import UNCHANGING, TopicSource
 
@@ -166,6 +166,7 @@ TOPICS: tuple[Topic, ...] = (
         motion.true_pose,
         "publish_rate",
     ),
+    Topic("plan", "nav_msgs/msg/Path", navigation.plan_stamp, navigation.plan),
     Topic(
         "cmd_vel",
         "geometry_msgs/msg/TwistStamped",

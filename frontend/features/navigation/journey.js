@@ -6,6 +6,7 @@ import { t, translated } from "../../page/language.js";
 import { getJson } from "../../wire/http.js";
 
 /** @typedef {import("../../messages").Command} Command */
+/** @typedef {import("../../messages").GoalMessage} GoalMessage */
 /** @typedef {import("../../messages").NavigationMessage} NavigationMessage */
 /** @typedef {import("../../messages").NavigationPathMessage} NavigationPathMessage */
 /** @typedef {import("../../messages").PoseMessage} PoseMessage */
@@ -16,6 +17,8 @@ import { getJson } from "../../wire/http.js";
 export class Journey {
   /** The way on the map; null without one. @type {NavigationPathMessage | null} */
   way = null;
+  /** Waypoints, zones and costs, once they are used. @type {import("./planning.js").Planning | null} */
+  planning = null;
   #line = find("journey", HTMLElement);
   #text = find("journey-text", HTMLElement);
   #cancel = findButton("journey-cancel");
@@ -41,9 +44,16 @@ export class Journey {
 
   /** Drive to a pose. @param {PoseMessage} pose */
   go({ x, y, theta }) {
-    /** @type {Command} */
-    const command = { type: "navigate", poses: [{ x, y, theta }], renewed: true };
-    this.#begin(command);
+    this.goAll([{ x, y, theta }], false);
+  }
+
+  /**
+   * Drive to goals, one after the other.
+   * @param {GoalMessage[]} poses
+   * @param {boolean} repeat whether to begin again after the last one
+   */
+  goAll(poses, repeat) {
+    this.#begin({ type: "navigate", poses, repeat, renewed: true });
   }
 
   /** Drive the figure-eight by the estimate. */
@@ -67,11 +77,10 @@ export class Journey {
     this.#own.follow(mode === "navigate");
     this.#line.hidden = !navigation;
     if (!navigation) return void (this.way = null);
-    setText(this.#text, words(navigation));
+    setText(this.#text, words(navigation, this.way?.goals.length ?? 1));
     this.#cancel.hidden = !isActive(navigation);
     if (navigation.planned !== this.#asked) this.#load(navigation.planned);
   }
-
 
   /** @param {number} planned [s] */
   async #load(planned) {
@@ -83,15 +92,17 @@ export class Journey {
 /** @param {NavigationMessage} navigation */
 const isActive = ({ state }) => state === "planning" || state === "driving" || state === "waiting";
 
-/** @param {NavigationMessage} navigation */
-function words({ state, remaining_m, remaining_s, reason, on_curve }) {
+/** @param {NavigationMessage} navigation @param {number} count of goals */
+function words({ state, remaining_m, remaining_s, reason, number, on_curve }, count) {
   const why = reason ? translated(reason) : "";
+  const left = { way: plain(remaining_m, 2), time: plain(remaining_s, 0) };
   switch (state) {
     case "planning":
       return t("goal: planning the way");
     case "driving":
-      if (on_curve) return t("curve: {way} m of this lap left", { way: plain(remaining_m, 2) });
-      return t("goal: {way} m, {time} s left", { way: plain(remaining_m, 2), time: plain(remaining_s, 0) });
+      if (on_curve) return t("curve: {way} m of this lap left", left);
+      if (count > 1) return t("goal {number} of {count}: {way} m, {time} s left", { number: number + 1, count, ...left });
+      return t("goal: {way} m, {time} s left", left);
     case "waiting":
       return t("goal: waiting; {why}", { why });
     case "arrived":

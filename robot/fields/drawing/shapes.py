@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import shapely
@@ -78,6 +78,7 @@ class Page:
     """Text of ``data-start``; empty if there is none."""
     tape: str
     """Text of ``data-tape``; empty if there is none."""
+    notes: Mapping[str, str] = field(default_factory=dict)
     hairlines: bool = False
     """Whether lines have strokes of no width, which show nothing."""
 

@@ -69,6 +69,7 @@ def read_page(root: Element, tolerance: float) -> Page:
         background=background if isinstance(background, Ink) else None,
         start=root.get("data-start", ""),
         tape=root.get(ANSWER, ""),
+        notes={name: text for name, text in root.items() if name.startswith("data-")},
         hairlines=walk.hairlines,
     )
 

@@ -195,6 +195,29 @@ def test_while_the_filter_is_paused_there_is_no_journey(bench):
     bench.send(FAR)
 
 
+def test_a_filter_that_is_paused_ends_a_journey_and_the_robot_stands(bench):
+    bench.send(FAR)
+    bench.go(2.0)
+    bench.send(PauseCommand(type="pause"))
+    bench.go(0.1)
+    assert (bench.status.state, bench.status.reason) == ("canceled", "the filter was paused")
+    bench.go(0.1)
+    assert bench.now.mode == "idle"
+    assert bench.now.twist == Twist2()
+
+
+def test_a_map_that_is_begun_ends_a_journey(bench):
+    bench.send(FAR)
+    bench.go(1.0)
+    bench.program.engine.drawn.put(DrawnMap(1.0, bench.program.field.occupancy(0.05), Pose2()))
+    bench.go(0.04)
+    with pytest.raises(CommandError, match="a map is drawn"):
+        bench.send(RENEW)
+    bench.go(0.1, renew=False)
+    assert bench.status.state == "canceled"
+    assert bench.now.mode == "idle"
+
+
 def test_while_a_map_is_drawn_there_is_no_journey(bench):
     grid = bench.program.field.occupancy(0.05)
     bench.program.engine.drawn.put(DrawnMap(1.0, grid, Pose2()))

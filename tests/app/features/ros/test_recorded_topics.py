@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 import pytest
 from engine_runs import EIGHT, kinematic, run
-from journeys import goal
+from journeys import RENEW, goal
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 from node_peers import needs_node, run_node
@@ -24,6 +24,8 @@ from sim.simulated import PERIOD
 
 GOAL = goal(0.1, -0.05, 0.3)
 """Given in the recording; the figure-eight is then driven on."""
+PLANS = 60, 106
+"""In these ticks the robot stops, and the way to the goal is planned."""
 TOLD = SetPoseCommand(type="set_pose", x=0.01, y=0.02, theta=0.3, sd_xy=0.1, sd_theta=0.2)
 
 
@@ -38,9 +40,10 @@ def recorded(tmp_path_factory):
     for tick in range(round(2.2 / PERIOD)):
         if tick == 40:
             program.engine.commands.put(TOLD)
-        if tick == 60:
+        if tick == PLANS[0]:
             program.engine.commands.put(GOAL)
-        snapshot = replace(run(program, PERIOD, EIGHT)[0], battery_v=7.5 + tick / 1000)
+        way = RENEW if PLANS[0] <= tick < PLANS[1] else EIGHT
+        snapshot = replace(run(program, PERIOD, way)[0], battery_v=7.5 + tick / 1000)
         publisher.tick(snapshot)
         shown[publisher.source.clock.ns(snapshot.stamp)] = snapshot
     recorder.close()

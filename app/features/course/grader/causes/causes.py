@@ -9,6 +9,7 @@ from app.features.course.grader.causes.cause import Cause
 from app.features.course.grader.causes.filter import FILTER
 from app.features.course.grader.causes.motion import MOTION
 from app.features.course.grader.causes.sensor import SENSOR
+from app.features.course.grader.causes.steering import STEERING
 
 ANY = {
     "altered": Cause(
@@ -43,7 +44,7 @@ ANY = {
     ),
 }
 
-CAUSES: Mapping[str, Cause] = MappingProxyType(MOTION | SENSOR | FILTER | ANY)
+CAUSES: Mapping[str, Cause] = MappingProxyType(MOTION | SENSOR | FILTER | STEERING | ANY)
 """All causes by code."""
 
 

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 import pytest
 from engine_runs import kinematic, run
 from journeys import KNOWN, RENEW
+from ros_messages import topic
 from rosbridge_sessions import Client, bridge_of
 
+from app.engine.snapshot import DrawnMap
+from app.features.ros.encoding.frames import heading_of
+from app.features.ros.message_types import to_cdr
+from app.messages.commands import PauseCommand
 from app.page.outlets import Outlets
 from robot.geometry import Pose2
 from sim.simulated import PERIOD
@@ -148,6 +154,25 @@ def test_what_is_no_goal_is_rejected_and_the_robot_stands(floor, args, words):
     assert floor.program.engine.latest.get().mode == "idle"
 
 
+@pytest.mark.parametrize("what", ["paused", "drawn"])
+def test_while_nothing_tells_the_place_a_goal_is_rejected(floor, what):
+    if what == "paused":
+        floor.program.engine.commands.put(PauseCommand(type="pause"))
+    else:
+        grid = floor.program.field.occupancy(0.05)
+        floor.program.engine.drawn.put(DrawnMap(1.0, grid, Pose2()))
+    run(floor.program, 0.1)
+    words = {"paused": "the filter is paused", "drawn": "a map is drawn"}[what]
+    (result,) = floor.client.ask(
+        "send_action_goal", id="no", action=NAME, args={"pose": pose(0.1, 0.0)}
+    )
+    assert (result["result"], result["status"]) == (False, 6)
+    assert words in result["values"]
+    told = floor.client.refused("publish", topic="/goal_pose", msg=pose(0.1, 0.0))
+    assert words in told
+    assert floor.program.engine.latest.get().mode == "idle"
+
+
 def test_an_unknown_action_is_refused_with_those_that_there_are(floor):
     said = floor.client.refused("send_action_goal", id="x", action="/fly", args={})
     assert said.startswith("/fly is no action; valid are /navigate_to_pose")
@@ -160,6 +185,57 @@ def test_goal_pose_is_taken_as_a_topic(floor):
     run(floor.program, 0.1)
     assert floor.program.engine.latest.get().mode == "navigate"
     assert "on a wall" in floor.client.refused("publish", topic="/goal_pose", msg=pose(0.5, 0))
+
+
+def path_of(answer: dict) -> list[tuple[float, float]]:
+    places = [each["pose"]["position"] for each in answer["plan"]["poses"]]
+    return [(each["x"], each["y"]) for each in places]
+
+
+def test_a_plan_is_told_and_nobody_drives(floor):
+    goal = {"goal": pose(0.25, 0.1)}
+    well, answer = floor.client.call("/compute_path_to_pose", goal)
+    assert well
+    path = path_of(answer)
+    assert path[0] == pytest.approx((0, 0), abs=0.005)
+    assert path[-1] == pytest.approx((0.25, 0.1), abs=1e-6)
+    assert answer["plan"]["header"]["frame_id"] == "map"
+    run(floor.program, 0.1)
+    assert floor.program.engine.latest.get().mode == "idle"
+    start = {**goal, "start": pose(-0.2, -0.2)}
+    assert path_of(floor.client.call("/compute_path_to_pose", start)[1])[0] == (-0.2, -0.2)
+
+
+@pytest.mark.parametrize(
+    ("request_", "words"),
+    [
+        ({"goal": pose(0.5, 0.0)}, "on a wall"),
+        ({"goal": pose(9.0, 0.0)}, "beyond the field"),
+        ({"goal": pose(0.1, 0.0, frame="odom")}, "its frame is 'odom'; valid is 'map'"),
+        ({"goal": pose(None, 0.0)}, "not finite"),
+        ({"goal": pose(0.1, 0.0), "start": pose(9.0, 0.0)}, "the start"),
+        ({"goal": pose(0.1, 0.0, turn={"x": 1.0, "w": 1.0})}, "leans"),
+    ],
+)
+def test_what_has_no_plan_is_told(floor, request_, words):
+    well, answer = floor.client.call("/compute_path_to_pose", request_)
+    assert not well
+    assert words in answer
+
+
+def test_the_topic_plan_has_the_way(floor):
+    plan = topic("plan")
+    assert plan.stamp(floor.program.engine.latest.get()) is None
+    floor.client.ask("publish", topic="/goal_pose", msg=pose(0.25, 0.1))
+    floor.go(1.0)
+    shown = floor.program.engine.latest.get()
+    assert plan.stamp(shown) == shown.added["navigation"].planned
+    message = plan.make(floor.bridge.inbox.source, shown)
+    assert len(to_cdr(message, plan.type)) > 1000
+    last = message.poses[-1].pose
+    assert (last.position.x, last.position.y) == pytest.approx((0.25, 0.1), abs=0.002)
+    # Each pose looks along the way.
+    assert heading_of(last.orientation) == pytest.approx(math.atan2(0.1, 0.25), abs=0.05)
 
 
 def test_a_client_that_leaves_stops_its_journey(floor):
