@@ -1,4 +1,4 @@
-"""Controller: what turns a way and the robot's pose into a velocity; ours, and their names."""
+"""PathController: what turns a way and the robot's pose into a velocity; ours, and their names."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class Tracking:
         return float(np.hypot(*np.diff(self.path[:, :2], axis=0).T).sum())
 
 
-class Controller(Protocol):
+class PathController(Protocol):
     """Gives the velocity of each tick on a path; turns on the spot are not its own."""
 
     by_time: bool
@@ -134,7 +134,7 @@ class ControllerKind:
     """A controller by its name."""
 
     name: str
-    make: Callable[[], Controller]
+    make: Callable[[], PathController]
     """Makes one for a journey."""
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from robot.errors import BrickPoseError
 from robot.geometry import Array, Pose2, Twist2, wrap_angle
 from robot.localization.estimate import Integrity, State
-from robot.navigation.controllers import Controller, Tracker, Tracking
+from robot.navigation.controllers import PathController, Tracker, Tracking
 from robot.navigation.curves import ClosedCurve, Lap, lap_of
 from robot.navigation.free_space import FreeSpace
 from robot.navigation.goal import Goal
@@ -129,7 +129,7 @@ class Navigator:
         repeat: bool = False,
         curve: ClosedCurve | None = None,
         planner: Planner = plan,
-        controller: Controller | None = None,
+        controller: PathController | None = None,
     ) -> None:
         """Begin a journey.
 

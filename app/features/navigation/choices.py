@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from app.engine.plugging import plugged
 from app.features.navigation.own_code import OwnController, OwnPlanner
 from robot.errors import CommandError
-from robot.navigation.controllers import CONTROLLERS, Controller, ControllerKind
+from robot.navigation.controllers import CONTROLLERS, ControllerKind, PathController
 from robot.navigation.planners import PLANNERS, PlannerKind
 from robot.navigation.settings import NavigationSettings
 
@@ -68,7 +68,7 @@ class Choices:
                 own = self._own[wanted] = OwnPlanner(wanted)
         return PlannerKind(wanted, own.plan, OwnPlanner.PATIENCE_S)
 
-    def controller(self, name: str | None) -> Controller:
+    def controller(self, name: str | None) -> PathController:
         """Return a controller by its name; None is that of the settings.
 
         Raises:
