@@ -11,9 +11,9 @@ from app.messages.message import CommandMessage, Message, Metres, Radians
 MOST_GOALS = 1000
 MOST_POINTS = 1000
 MOST_ZONES, MOST_CORNERS = 100, 200
-PolygonMessage = Annotated[
-    list[tuple[Metres, Metres]], Field(min_length=3, max_length=MOST_CORNERS)
-]
+Point = Annotated[tuple[Metres, Metres], Field(strict=False)]
+"""x, y [m] in the map, as an array of JSON or a tuple."""
+PolygonMessage = Annotated[list[Point], Field(min_length=3, max_length=MOST_CORNERS)]
 """x, y [m] of the corners."""
 
 
@@ -40,7 +40,7 @@ class CurveMessage(Message):
     speed: Annotated[float, Field(ge=0.01, le=2)] | None = None
     """Speed along the curve where nothing asks for less [m/s]; null is the figure-eight's in the
     settings."""
-    points: Annotated[tuple[tuple[Metres, Metres], ...], Field(max_length=MOST_POINTS)] = ()
+    points: Annotated[tuple[Point, ...], Field(strict=False, max_length=MOST_POINTS)] = ()
     """x, y [m] in the map, of the shape points: the curve leads smoothly through them, and from the
     last one back to the first."""
     start: GoalMessage | None = None
