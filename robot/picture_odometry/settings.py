@@ -6,6 +6,9 @@ from dataclasses import dataclass
 
 from robot.settings import check_settings, setting
 
+NAME = "picture_odometry"
+"""The name of the settings' table, and by which a tick has what was measured."""
+
 
 @dataclass(frozen=True)
 class PictureOdometrySettings:

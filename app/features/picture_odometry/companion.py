@@ -2,28 +2,21 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from app.engine.controls import Controls
-from app.engine.snapshot import Snapshot
-from app.engine.value import Shown, Value
 from app.languages.marking import phrase
 from app.messages.commands import Command
-from app.settings.config import Config
 from robot.camera import FloorView
-from robot.fields.field import Field
 from robot.geometry import Array, Pose2
-from robot.interface import Reading, Robot
+from robot.interface import Reading
 from robot.picture_odometry.aided_odometry import PictureAidedOdometry
 from robot.picture_odometry.ground import GroundError
 from robot.picture_odometry.odometer import PictureMotion, PictureOdometer
-from robot.picture_odometry.settings import PictureOdometrySettings
+from robot.picture_odometry.settings import NAME, PictureOdometrySettings
 from robot.picture_odometry.wheel_check import WheelCheck, WheelState
 
-NAME = "picture_odometry"
-"""The feature's name, by which snapshots have what it shows."""
 WORDS = {
     WheelState.STUCK: phrase("The wheels turn, and the robot stands: it is stuck."),
     WheelState.SLIPPING: phrase("The robot does not move as its wheels turn: they slip."),
@@ -45,13 +38,6 @@ class PictureOdometryState:
     wheels: WheelState
     odom_covariance: Array | None = field(default=None, repr=False)
     """Covariance (3, 3) of dead reckoning that is corrected by it; None if it is not."""
-
-
-def companions(config: Config, robot: Robot, field: Field) -> Iterable[PictureOdometryCompanion]:
-    """Return what measures motion in a new engine, if the settings want it."""
-    settings = config.group(NAME, PictureOdometrySettings())
-    if settings.enabled or settings.fuse:
-        yield PictureOdometryCompanion(settings)
 
 
 class PictureOdometryCompanion:
@@ -108,35 +94,3 @@ class PictureOdometryCompanion:
 
     def close(self) -> None:
         """Do nothing: there is no thread."""
-
-
-def _state(snapshot: Snapshot) -> PictureOdometryState | None:
-    state: PictureOdometryState | None = snapshot.added.get(NAME)
-    return state
-
-
-def _wheels(snapshot: Snapshot) -> Shown:
-    state = _state(snapshot)
-    return None if state is None else state.wheels.value
-
-
-def _seen(snapshot: Snapshot) -> Shown:
-    state = _state(snapshot)
-    return None if state is None else state.motion.seen
-
-
-def _speed(snapshot: Snapshot) -> Shown:
-    """Speed over the floor as pictures show it; None where it is not seen."""
-    state = _state(snapshot)
-    if state is None or state.motion.seen < 3:
-        return None
-    moved = state.motion
-    return 1000 * math.hypot(moved.motion.x, moved.motion.y) / (moved.end - moved.begin)
-
-
-VALUES = (
-    Value("wheels", _wheels),
-    Value("floor_seen", _seen),
-    Value("floor_speed_mm_s", _speed, ".0f"),
-)
-"""What ticks show of it."""

@@ -5,22 +5,17 @@ from __future__ import annotations
 import numpy as np
 
 from app.engine.snapshot import Snapshot
-from app.features.picture_odometry.companion import NAME, PictureOdometryState
 from app.features.picture_odometry.routes import floor_jpeg
+from app.features.picture_odometry.values import motion_state
 from app.features.ros.encoding.frames import header, in_space, pose_with_covariance, vector
 from app.features.ros.message_types import Message, new
 from app.features.ros.source import TopicSource
 from app.features.ros.topics import Topic
 
 
-def _state(snapshot: Snapshot) -> PictureOdometryState | None:
-    state: PictureOdometryState | None = snapshot.added.get(NAME)
-    return state
-
-
 def motion_stamp(snapshot: Snapshot) -> float | None:
     """When the newest motion ended; None before the first, or if it is not measured."""
-    state = _state(snapshot)
+    state = motion_state(snapshot)
     return None if state is None else state.motion.end
 
 
@@ -29,7 +24,7 @@ def picture_odometry(source: TopicSource, snapshot: Snapshot) -> Message:
 
     The twist's covariance is the motion's; variances of 100 and more stand for what is not seen.
     """
-    state, settings = _state(snapshot), source.settings
+    state, settings = motion_state(snapshot), source.settings
     assert state is not None  # otherwise the stamp is None
     motion = state.motion
     seconds = motion.end - motion.begin
@@ -53,7 +48,7 @@ def picture_odometry(source: TopicSource, snapshot: Snapshot) -> Message:
 def floor_stamp(snapshot: Snapshot) -> float | None:
     """Stamp of the picture of this tick; None without one, or if motion is not measured."""
     frame = snapshot.reading.frame
-    return None if frame is None or _state(snapshot) is None else frame.stamp
+    return None if frame is None or motion_state(snapshot) is None else frame.stamp
 
 
 def floor_image(source: TopicSource, snapshot: Snapshot) -> Message:

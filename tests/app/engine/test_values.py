@@ -45,15 +45,17 @@ def shown() -> tuple[dict[str, object], dict[str, str], int]:
 def test_a_value_is_on_the_page_on_ros_and_in_recordings(with_updates: None) -> None:
     telemetry, figures, updates = shown()
     assert updates > 0
-    assert telemetry["values"] == {"filter_updates": updates}
+    assert telemetry["values"]["filter_updates"] == updates
     assert figures["filter_updates"] == str(updates)
 
 
-def test_without_further_values_the_wire_is_as_it_was() -> None:
+def test_without_further_values_the_wire_has_those_of_our_features() -> None:
     telemetry, figures, _ = shown()
-    assert "values" not in telemetry
+    # Motion is not measured in pictures here.
+    assert telemetry["values"] == dict.fromkeys(("floor_seen", "floor_speed_mm_s", "wheels"))
     assert list(figures) == [
         "step_hz", "step_ms", "frame_hz", "latency_ms", "mode", "connected",
+        "wheels", "floor_seen", "floor_speed_mm_s",
     ]  # fmt: skip
     assert figures["connected"] == "true"
 

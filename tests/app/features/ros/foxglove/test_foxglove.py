@@ -22,7 +22,7 @@ from app.features.ros.inbox import Inbox
 from app.features.ros.message_types import definition
 from app.features.ros.publisher import TopicPublisher
 from app.features.ros.source import TopicSource
-from app.features.ros.topics import TOPICS
+from app.features.ros.topics import topics
 from app.features.ros.websocket_routes import Foxglove
 from app.messages.commands import ScatterCommand
 from app.messages.driving_commands import DriveCommand
@@ -104,7 +104,7 @@ def of(told, name) -> list[dict]:
 def test_its_own_client_reads_the_same_values(rig):
     told = rig.talk({"/scan": 1, "/odom": 3, "/map": 1, "/tf_static": 1})
     channels = {one["channel"]: (one["type"], one["encoding"]) for one in told if "channel" in one}
-    assert channels == {f"/{one.name}": (one.type, "cdr") for one in TOPICS if one.live}
+    assert channels == {f"/{one.name}": (one.type, "cdr") for one in topics() if one.live}
     for odom in of(told, "/odom"):
         snapshot = rig.at(odom["header"])
         position = odom["pose"]["pose"]["position"]
