@@ -37,8 +37,8 @@ PROJECT = ROOT / "pyproject.toml"
 OUR_CODE = tuple(str(ROOT / name) for name in ("app", "robot", "sim"))
 LIBRARY = str(Path(traceback.__file__).parent)
 """Python's own modules, as those that import."""
-SERVER = frozenset({"anyio", "fastapi", "starlette", "uvicorn"})
-"""What calls the routes of features."""
+CALLERS = frozenset({"anyio", "fastapi", "importlib_metadata", "starlette", "uvicorn"})
+"""What loads features, and calls their routes."""
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -285,7 +285,7 @@ def _place_of(error: BaseException) -> str:
         return ""  # its text has both
     frames = traceback.extract_tb(error.__traceback__)
     lines = [(_module_of(each.filename), each.lineno) for each in frames if not _is_ours(each)]
-    lines = [(file, line) for file, line in lines if file.parts[0] not in SERVER]
+    lines = [(file, line) for file, line in lines if file.parts[0] not in CALLERS]
     own = [(file, line) for file, line in lines if file.parts[0] == lines[0][0].parts[0]]
     return f"{own[-1][0].as_posix()}:{own[-1][1]}" if own else ""
 

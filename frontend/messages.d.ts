@@ -1369,5 +1369,5 @@ export interface WallsMessage {
   /** Whether it may cross tape. */
   tape: "wall" | "ignored";
   /** Keep-out zones: x, y [m] of their corners. */
-  zones: [number, number][][];
+  zones: number[][][];
 }

@@ -23,7 +23,11 @@ SETTLED_TICKS = 100
 """Enough to compare poses with odometry, which begins when the place is known for some time."""
 TICKS = 8
 """A few pictures."""
-GOAL = NavigateCommand(type="navigate", poses=[GoalMessage(x=0.1, y=0.1)])
+ADDED = {"picture_odometry": {"enabled": True}}
+GOALS = tuple(
+    NavigateCommand(type="navigate", poses=[GoalMessage(x=x, y=0.1, theta=0.0)], planner=planner)
+    for x, planner in ((0.1, "grid"), (-0.1, "lattice"))
+)
 JOURNEY_TICKS = 40
 """Enough to stand, and to plan a way."""
 FIRST_USES: tuple[dict[str, Any], ...] = (
@@ -55,7 +59,7 @@ def where(snapshot: Snapshot) -> SetPoseCommand:
 
 def drive_with_each() -> None:
     """Use every filter and model, as users do."""
-    program = build_program(Config(robot="kinematic"))
+    program = build_program(Config(robot="kinematic", added=ADDED))
     drive(program, SETTLED_TICKS)
     snapshot = drive(program, SEARCH_TICKS, ScatterCommand(type="scatter"))
     for values in FIRST_USES:
@@ -64,10 +68,11 @@ def drive_with_each() -> None:
         snapshot = drive(program, TICKS, ScatterCommand(type="scatter"))
     if snapshot.filter.line_scan is not None:
         _ = snapshot.filter.line_scan.response  # the page asks for it when the user looks at a ray
-    for command in (where(snapshot), GOAL):
-        program.engine.commands.put(command)
-    for _ in range(JOURNEY_TICKS):
-        program.engine.step()
+    program.engine.commands.put(where(snapshot))
+    for goal in GOALS:
+        program.engine.commands.put(goal)
+        for _ in range(JOURNEY_TICKS):
+            program.engine.step()
     program.robot.close()
 
 

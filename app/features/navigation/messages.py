@@ -105,7 +105,7 @@ class WallsMessage(Message):
 
     tape: Literal["wall", "ignored"]
     """Whether it may cross tape."""
-    zones: list[list[tuple[float, float]]]
+    zones: list[list[list[float]]]
     """Keep-out zones: x, y [m] of their corners."""
 
 

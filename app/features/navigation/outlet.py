@@ -98,7 +98,7 @@ def _router(program: Program, keeper: JourneyKeeper) -> APIRouter:
         """What the robot does not touch on its way to goals, besides shapes on the floor."""
         return WallsMessage(
             tape="ignored" if keeper.ignores_tape else "wall",
-            zones=[list(zone) for zone in keeper.walls.zones],
+            zones=[[list(corner) for corner in zone] for zone in keeper.walls.zones],
         )
 
     @router.get("/api/navigation/costs")

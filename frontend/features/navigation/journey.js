@@ -22,7 +22,6 @@ export class Journey {
   #line = find("journey", HTMLElement);
   #text = find("journey-text", HTMLElement);
   #cancel = findButton("journey-cancel");
-  #eight = findButton("closed-eight");
   /** @type {OwnDrive} */
   #own;
   /** When the way that was asked for was planned [s]. */
@@ -39,7 +38,6 @@ export class Journey {
     this.order = order;
     this.#own = new OwnDrive(drive, order, "navigate");
     this.#cancel.onclick = () => order({ type: "cancel" });
-    this.#eight.onclick = () => (this.#onCurve ? order({ type: "cancel" }) : this.#loop());
   }
 
   /** Drive to a pose. @param {PoseMessage} pose */
@@ -56,8 +54,9 @@ export class Journey {
     this.#begin({ type: "navigate", poses, repeat, renewed: true });
   }
 
-  /** Drive the figure-eight by the estimate. */
-  #loop() {
+  /** Drive the figure-eight by the estimate; or end it, if this page drives a curve. */
+  loop() {
+    if (this.#onCurve) return void this.order({ type: "cancel" });
     const speed = Math.min(this.drive.speed, this.drive.maxV);
     this.#begin({ type: "navigate", curve: { shape: "figure_eight", speed }, renewed: true });
   }
@@ -72,7 +71,6 @@ export class Journey {
   /** @param {TelemetryMessage} telemetry */
   follow({ mode, navigation, driver }) {
     this.#onCurve = mode === "navigate" && this.#own.mine && !!navigation?.on_curve;
-    this.#eight.setAttribute("aria-pressed", String(this.#onCurve));
     this.#own.heed(mode === "navigate", driver.stopped);
     this.#own.follow(mode === "navigate");
     this.#line.hidden = !navigation;

@@ -35,6 +35,7 @@ export class Planning {
   #draw = toggle(t("keep out"), t("Draw a zone that the robot does not enter: drag from corner to corner"));
   #remove = make("button", { type: "button", title: t("Remove the zone that was drawn last") });
   #tape = toggle(t("cross tape"), t("Whether the robot may cross tape on its way to goals"));
+  #eight = make("button", { type: "button", title: t("Drive the figure-eight closed: the robot stays on the curve by its estimate, at the speed of the slider") }, t("closed figure-eight"));
   #costs = toggle(t("costs"), t("Shade the floor by what a way there costs: that is why the robot goes around"));
   #words = make("p", { role: "status" });
   #row = make("div", { id: "planning", class: "tools", role: "group", "aria-label": t("Goals") });
@@ -65,7 +66,8 @@ export class Planning {
     this.#remove.onclick = () => this.#say({ zones: this.#walls.zones.slice(0, -1) });
     this.#tape.onclick = () => this.#say({ tape: this.#walls.tape === "wall" ? "ignored" : "wall" });
     this.#costs.onclick = () => this.#press(this.#costs, (on) => (on ? this.#ask() : (this.#layer = null)));
-    this.#row.append(this.#several, this.#once, this.#patrol, this.#back, this.#draw, this.#remove, this.#tape, this.#costs);
+    this.#eight.onclick = () => journey.loop();
+    this.#row.append(this.#several, this.#once, this.#patrol, this.#back, this.#draw, this.#remove, this.#tape, this.#costs, this.#eight);
     this.#row.hidden = true;
     findButton("journey-cancel").closest("p")?.before(this.#row, this.#words);
     this.#show();
