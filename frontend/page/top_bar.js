@@ -57,6 +57,8 @@ export class TopBar {
     setText(this.#loop, `${plain(telemetry.loop.step_hz)} Hz`);
     setText(this.#delay, delay === null ? "–" : `${plain(delay)} ms`);
     for (const [name, value] of Object.entries(telemetry.values ?? {})) {
+      // What was never known, as of a part that is not in use, takes no place.
+      if (value === null && !this.#values.has(name)) continue;
       const digits = Math.min(String(value).split(".")[1]?.length ?? 0, 2);
       const text = typeof value === "number" ? plain(value, digits) : value;
       setText(this.#values.get(name) ?? this.#add(name), text === null ? "–" : String(text));

@@ -6,8 +6,7 @@ from app.engine.program import Program
 from app.engine.snapshot import Snapshot
 from app.features.mapping.messages import RouteCommand
 from app.messages.driving_commands import StopCommand
-from robot.fields.occupancy_grid import OccupancyGrid
-from robot.geometry import Array, Pose2
+from robot.geometry import Pose2
 from robot.mapping.exploring import Explorer
 from robot.mapping.sketch import Sketch
 
@@ -28,17 +27,8 @@ class Exploration:
         self.done = False
         """Whether there is nothing left to see."""
 
-    @property
-    def hidden(self) -> Array:
-        """(n, 2) places in the map that could not be seen, when it is done [m]."""
-        return self._explorer.hidden
-
     def follow(
-        self,
-        snapshot: Snapshot,
-        sketch: Sketch | None,
-        map_from_odom: Pose2 | None,
-        cells: OccupancyGrid | None = None,
+        self, snapshot: Snapshot, sketch: Sketch | None, map_from_odom: Pose2 | None
     ) -> None:
         """Give the next route, if the robot explores and has come to the end of the last one.
 
@@ -46,7 +36,6 @@ class Exploration:
             snapshot: of a tick.
             sketch: the map so far; None if nothing was seen.
             map_from_odom: where odometry began in it.
-            cells: the same map, with the floor that was seen.
         """
         if self._sent is not None and not any(item is self._sent for item in snapshot.commands):
             return
@@ -60,7 +49,7 @@ class Exploration:
         if not drawn and snapshot.stamp < self._stands_since + LATEST_S:
             return
         known = map_from_odom or Pose2()
-        route = self._explorer.next(sketch, known @ snapshot.odom_from_robot, cells)
+        route = self._explorer.next(sketch, known @ snapshot.odom_from_robot)
         if route is None:
             self.done = True
             self._commands.put(StopCommand(type="stop"))

@@ -8,7 +8,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from robot.driving.route import SPEED, TURNING, Route
-from robot.fields.occupancy_grid import OccupancyGrid
 from robot.geometry import Pose2
 from robot.mapping.exploring import Explorer, best_view
 from robot.mapping.sketch import Sketch
@@ -101,80 +100,3 @@ def test_an_end_that_nobody_saw_is_looked_at() -> None:
     view = best_view(sketch(*everywhere, lines=(SIDE, leading_out)), np.zeros((0, 3)), Pose2())
     assert view is not None
     assert view.distance_to(Pose2(1.0, 0.0, 0.0)) < 0.6
-
-
-def looked(*unknown: tuple[float, float, float, float]) -> OccupancyGrid:
-    """Floor of 3 m, all of it seen but for rectangles of x and y, from and to."""
-    cells = np.zeros((150, 150), np.int8)
-    for left, right, low, high in unknown:
-        rows, columns = (slice(*np.round((np.array(s) + 1.5) / 0.02).astype(int))
-                         for s in ((low, high), (left, right)))  # fmt: skip
-        cells[rows, columns] = -1
-    return OccupancyGrid(cells, 0.02, Pose2(-1.5, -1.5))
-
-
-EVERYWHERE = [
-    (x, y, heading)
-    for x in np.arange(-0.4, 0.41, 0.2)
-    for y in np.arange(-0.4, 0.41, 0.2)
-    for heading in np.arange(0, math.tau, 0.4)
-]
-NOWHERE = np.zeros((0, 3))
-
-
-def test_floor_that_tape_hid_was_not_seen() -> None:
-    """It was in view, so the robot never drove to the other side."""
-    seen = sketch(*EVERYWHERE)
-    assert best_view(seen, NOWHERE, Pose2(), looked()) is None
-    view = best_view(seen, NOWHERE, Pose2(), looked((0.1, 0.4, 0.1, 0.4)))
-    assert view is not None
-    ahead = view @ Pose2(0.35, 0.0, 0.0)
-    assert math.dist((ahead.x, ahead.y), (0.25, 0.25)) < 0.35
-
-
-def test_a_view_is_worth_what_tape_does_not_hide_from_it() -> None:
-    wall = np.array([[0.0, -0.4], [0.0, 0.4]])
-    seen = sketch(*EVERYWHERE, lines=(SIDE, wall))
-    view = best_view(seen, NOWHERE, Pose2(-0.3, 0.0, 0.0), looked((0.15, 0.5, -0.3, 0.3)))
-    assert view is not None
-    # From the near side of the wall it is in view, and hidden.
-    assert view.x > -0.15
-
-
-def test_floor_that_views_never_show_is_left_and_told() -> None:
-    hidden = looked((0.1, 0.4, 0.1, 0.4))
-    explorer, pose = Explorer(), Pose2(0.2, -0.2, 1.5)
-    route = explorer.next(sketch(*EVERYWHERE), pose, hidden)
-    for _ in range(60):
-        route = explorer.next(sketch(*EVERYWHERE), pose, hidden)
-        if route is None:
-            break
-        pose = route.goal
-    assert route is None
-    assert len(explorer.hidden)
-    assert np.abs(explorer.hidden - 0.25).max() < 0.2
-
-
-def test_afterwards_it_looks_outward_from_floor_that_it_has_seen() -> None:
-    seen = sketch(*EVERYWHERE)
-    views = []
-    for cells in (looked(), looked((0.5, 1.5, -1.5, 1.5), (-1.5, -0.5, -1.5, 1.5),
-                                   (-1.5, 1.5, 0.5, 1.5), (-1.5, 1.5, -1.5, -0.5))):  # fmt: skip
-        visited = [np.zeros(3)]
-        while (
-            view := best_view(seen, np.array(visited), Pose2(), cells, outward=True)
-        ) is not None:
-            visited.append(view.to_array())
-            assert len(visited) < 60
-        views.append(np.array(visited[1:]))
-    beyond = [np.abs(poses[:, :2]).max() - 0.5 for poses in views]
-    # On floor that nobody has looked at it does not drive.
-    assert beyond[0] == pytest.approx(0.15, abs=1e-6)
-    assert beyond[1] <= 1e-6
-    around = np.arctan2(*(views[0][:, 1::-1] + 0.6 * np.column_stack(
-        [np.cos(views[0][:, 2]), np.sin(views[0][:, 2])])[:, ::-1]).T)  # fmt: skip
-    assert np.diff(np.sort(around)).max() < 1.2
-
-
-def test_without_cells_what_was_in_view_was_seen() -> None:
-    assert best_view(sketch(*EVERYWHERE), NOWHERE, Pose2()) is None
