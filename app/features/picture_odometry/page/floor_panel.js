@@ -25,6 +25,10 @@ const WORDS = GERMAN
       lifted: "lifted",
     };
 
+const OFF = GERMAN
+  ? "Bewegung wird nicht in Bildern gemessen; [picture_odometry] enabled schaltet das ein."
+  : "Motion is not measured in pictures; [picture_odometry] enabled turns that on.";
+
 /**
  * @param {HTMLElement} body
  * @returns {{show: (telemetry: {values?: Record<string, unknown> | null}) => void}}
@@ -45,9 +49,10 @@ export function panel(body) {
       const state = String(values?.wheels ?? "");
       const speed = values?.floor_speed_mm_s;
       const fast = typeof speed === "number" ? `, ${speed} mm/s` : "";
-      words.textContent = state ? `${WORDS[state] ?? state}${fast}` : "";
+      picture.hidden = !state;
+      words.textContent = state ? `${WORDS[state] ?? state}${fast}` : OFF;
       const now = performance.now();
-      if (!loading && picture.offsetParent !== null && now - last >= PERIOD_MS) {
+      if (state && !loading && picture.offsetParent !== null && now - last >= PERIOD_MS) {
         loading = true;
         last = now;
         picture.src = `/floor.jpg?${Math.round(now)}`;
