@@ -10,7 +10,7 @@ from app.feature import Panel
 PANELS = "/panels"
 """Below it are the folders of panels' scripts."""
 SECTION = """
-  <section id="{id}" class="panel" data-tab="camera" data-script="{script}"
+  <section id="{id}" class="panel" data-tab="map" data-script="{script}"
     aria-labelledby="{id}-title">
     <header><h2 id="{id}-title">{title}</h2></header>
     <div class="parameters added"></div>

@@ -60,7 +60,7 @@ def test_they_have_their_height_on_a_phone_and_a_failure_shows(
             page = context.new_page()
             page.route("**/view/**", lambda route: route.fulfill(body="<p>no 3D here</p>"))
             visit(page, server.url)
-            page.locator("[role=tab][data-name=camera]").click()
+            page.locator("[role=tab][data-name=map]").click()
             for number in range(3):
                 panel = page.locator(f"#lamps-lamp{number}")
                 expect(panel.get_by_text("lamp 4")).to_have_count(1)
