@@ -47,7 +47,7 @@ def test_the_way_leads_around_a_zone_and_the_layer_shows_it(bench):
     around = bench.status.path
     assert np.abs(around[:, 1]).max() > 0.15
     told = answer(bench, "/walls")
-    assert (told.tape, told.zones) == ("wall", [ZONE])
+    assert (told.tape, told.zones) == ("wall", [[list(corner) for corner in ZONE]])
     message = TelemetryWriter(bench.program, bench.outlets).message(bench.now)
     assert message.walls > 0
     costs = answer(bench, "/costs")
