@@ -33,6 +33,20 @@ AB, AA, BB, WEIGHT, RESIDUAL, COUNT = range(6)
 """Places in ``totals``."""
 
 
+@compiled(inline="always", fastmath=True)
+def _between(patch: Patch, v: float, u: float) -> tuple[float, float, float]:
+    """Return brightness and slopes between the pixels of a patch, at row v and column u."""
+    i, j = int(v), int(u)
+    fv, fu = v - i, u - j
+    w00, w01, w10, w11 = (1 - fv) * (1 - fu), (1 - fv) * fu, fv * (1 - fu), fv * fu
+    first, second, third, last = patch[i, j], patch[i, j + 1], patch[i + 1, j], patch[i + 1, j + 1]
+    return (
+        w00 * first[0] + w01 * second[0] + w10 * third[0] + w11 * last[0],
+        w00 * first[1] + w01 * second[1] + w10 * third[1] + w11 * last[1],
+        w00 * first[2] + w01 * second[2] + w10 * third[2] + w11 * last[2],
+    )
+
+
 @compiled(fastmath=True)
 def slopes(fine: NDArray[np.float32], coarse: NDArray[np.float32], patch: Patch) -> None:
     """Fill a patch from a smoothed picture of the floor (h, w), and one of its large areas."""
@@ -67,11 +81,7 @@ def similarity(
             v, u = row - longer * ex, column - longer * ey
             if not (MARGIN <= v < height - MARGIN and MARGIN <= u < width - MARGIN):
                 continue
-            i, j = int(v), int(u)
-            fv, fu = v - i, u - j
-            b = (1 - fv) * ((1 - fu) * after[i, j, 0] + fu * after[i, j + 1, 0]) + fv * (
-                (1 - fu) * after[i + 1, j, 0] + fu * after[i + 1, j + 1, 0]
-            )
+            b, _, _ = _between(after, v, u)
             a = before[row, column, 0]
             gx, gy = before[row, column, 1], before[row, column, 2]
             weight = 1 / (variance + POSITION_SD**2 * (gx * gx + gy * gy))
@@ -109,21 +119,7 @@ def step_sums(
             v, u = row - longer * ex, column - longer * ey
             if not (MARGIN <= v < height - MARGIN and MARGIN <= u < width - MARGIN):
                 continue
-            i, j = int(v), int(u)
-            fv, fu = v - i, u - j
-            w00, w01, w10, w11 = (1 - fv) * (1 - fu), (1 - fv) * fu, fv * (1 - fu), fv * fu
-            b = (
-                w00 * after[i, j, 0] + w01 * after[i, j + 1, 0]
-                + w10 * after[i + 1, j, 0] + w11 * after[i + 1, j + 1, 0]
-            )  # fmt: skip
-            b_ahead = (
-                w00 * after[i, j, 1] + w01 * after[i, j + 1, 1]
-                + w10 * after[i + 1, j, 1] + w11 * after[i + 1, j + 1, 1]
-            )  # fmt: skip
-            b_left = (
-                w00 * after[i, j, 2] + w01 * after[i, j + 1, 2]
-                + w10 * after[i + 1, j, 2] + w11 * after[i + 1, j + 1, 2]
-            )  # fmt: skip
+            b, b_ahead, b_left = _between(after, v, u)
             ax, ay = before[row, column, 1], before[row, column, 2]
             residual = b - before[row, column, 0]
             weight = 1 / (variance + POSITION_SD**2 * (ax * ax + ay * ay))
@@ -189,21 +185,7 @@ def accumulate(
             v, u = row - longer * ex, column - longer * ey
             if not (MARGIN <= v < height - MARGIN and MARGIN <= u < width - MARGIN):
                 continue
-            i, j = int(v), int(u)
-            fv, fu = v - i, u - j
-            w00, w01, w10, w11 = (1 - fv) * (1 - fu), (1 - fv) * fu, fv * (1 - fu), fv * fu
-            b = (
-                w00 * after[i, j, 0] + w01 * after[i, j + 1, 0]
-                + w10 * after[i + 1, j, 0] + w11 * after[i + 1, j + 1, 0]
-            )  # fmt: skip
-            b_ahead = (
-                w00 * after[i, j, 1] + w01 * after[i, j + 1, 1]
-                + w10 * after[i + 1, j, 1] + w11 * after[i + 1, j + 1, 1]
-            )  # fmt: skip
-            b_left = (
-                w00 * after[i, j, 2] + w01 * after[i, j + 1, 2]
-                + w10 * after[i + 1, j, 2] + w11 * after[i + 1, j + 1, 2]
-            )  # fmt: skip
+            b, b_ahead, b_left = _between(after, v, u)
             a, ax, ay = before[row, column, 0], before[row, column, 1], before[row, column, 2]
             residual = b - a
             # An outlier, as what moved on the floor, counts as one of three deviations.

@@ -85,69 +85,59 @@ def _add_out(command: argparse.ArgumentParser) -> None:
     )
 
 
-def _add_integrity(command: argparse.ArgumentParser) -> None:
-    """Add the options of integrity: robots x fields x conditions x starts."""
+def _add_robots(command: argparse.ArgumentParser, fields: str) -> None:
+    """Add the options of robots x fields x conditions; ``fields`` are those of the default."""
     several: dict[str, Any] = {"nargs": "+", "action": "extend"}
     command.add_argument(
         "--map",
         metavar="NAME|FILE",
         **several,
-        help="fields of maps/, generated-N (from a seed), or files (default: square stub town)",
+        help=f"fields of maps/, generated-N (from a seed), or files (default: {fields})",
     )
     command.add_argument(
         "--condition", metavar="NAME", **several,
         help=f"which (default: default): {condition_names()}",
     )  # fmt: skip
     command.add_argument(
-        "--start",
-        metavar="START",
-        **several,
-        help="what is known of the pose (default: all): known, told-wrong, scattered, carried, "
-        "known-carried, moved",
-    )
-    command.add_argument(
         "--first-seed", type=int, metavar="N", help="seed of the first robot (default: 0)"
     )
     command.add_argument(
         "--seeds", type=int, metavar="N",
         help="how many robots on each field in each condition (default: 12)",
-    )  # fmt: skip
-    command.add_argument(
-        "--laps", type=int, metavar="N",
-        help="laps of the figure-eight (default: 1); carried drives take 17 s, moved ones 21 s",
     )  # fmt: skip
     _add_out(command)
     add_config(command)
     add_workers(command)
 
 
-def _add_navigation(command: argparse.ArgumentParser) -> None:
-    """Add the options of navigation: fields x conditions x trials."""
-    several: dict[str, Any] = {"nargs": "+", "action": "extend"}
+def _add_integrity(command: argparse.ArgumentParser) -> None:
+    """Add the options of integrity: robots x fields x conditions x starts."""
+    _add_robots(command, "square stub town")
     command.add_argument(
-        "--map",
-        metavar="NAME|FILE",
-        **several,
-        help="fields of maps/, generated-N (from a seed), or files (default: square tee town)",
+        "--start",
+        metavar="START",
+        nargs="+",
+        action="extend",
+        help="what is known of the pose (default: all): known, told-wrong, scattered, carried, "
+        "known-carried, moved",
     )
     command.add_argument(
-        "--condition", metavar="NAME", **several,
-        help=f"which (default: default): {condition_names()}",
+        "--laps", type=int, metavar="N",
+        help="laps of the figure-eight (default: 1); carried drives take 17 s, moved ones 21 s",
     )  # fmt: skip
+
+
+def _add_navigation(command: argparse.ArgumentParser) -> None:
+    """Add the options of navigation: fields x conditions x trials."""
+    _add_robots(command, "square tee town")
     command.add_argument(
         "--trial",
         metavar="TRIAL",
-        **several,
+        nargs="+",
+        action="extend",
         help="what is tried (default: goals): goals, pushed, carried, scattered, figure-eight, "
         "open-loop",
     )
-    command.add_argument(
-        "--first-seed", type=int, metavar="N", help="seed of the first robot (default: 0)"
-    )
-    command.add_argument(
-        "--seeds", type=int, metavar="N",
-        help="how many robots on each field in each condition (default: 12)",
-    )  # fmt: skip
     command.add_argument(
         "--goals", type=int, metavar="N",
         help="random goals of each robot (default: 20); a scattered one has one",
@@ -162,9 +152,6 @@ def _add_navigation(command: argparse.ArgumentParser) -> None:
         metavar="SECONDS",
         help="calibrate each robot first, by a drive of this duration",
     )
-    _add_out(command)
-    add_config(command)
-    add_workers(command)
 
 
 def add_workers(command: argparse.ArgumentParser) -> None:

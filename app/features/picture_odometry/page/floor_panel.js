@@ -39,6 +39,8 @@ export function panel(body) {
   picture.style.width = "100%";
   const words = document.createElement("p");
   body.append(picture, words);
+  const section = body.closest("section");
+  const phone = matchMedia("(max-width: 640px)");
   let last = 0;
   let loading = false;
   picture.onload = picture.onerror = () => {
@@ -50,6 +52,8 @@ export function panel(body) {
       const speed = values?.floor_speed_mm_s;
       const fast = typeof speed === "number" ? `, ${speed} mm/s` : "";
       picture.hidden = !state;
+      // Where it shares a tab it takes room of the map's only if there is something to see.
+      if (section) section.style.display = !state && phone.matches ? "none" : "";
       words.textContent = state ? `${WORDS[state] ?? state}${fast}` : OFF;
       const now = performance.now();
       if (state && !loading && picture.offsetParent !== null && now - last >= PERIOD_MS) {
