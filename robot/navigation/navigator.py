@@ -256,10 +256,9 @@ class Navigator:
         """Return the twist to command in this tick."""
         passed = 0.0 if self._stamp is None else max(tick.stamp - self._stamp, 0.0)
         self._stamp = tick.stamp
-        trajectory = self._trajectory
-        if not self.status.active or self.status.state == "planning" or trajectory is None:
+        trajectory, pose = self._trajectory, tick.pose
+        if not self.status.active or self._asked is not None:
             return Twist2()
-        pose = tick.pose
         doubt = self._doubt(tick)
         if doubt and self._doubted_since is None:
             self._doubted_since = tick.stamp
@@ -267,6 +266,8 @@ class Navigator:
             self._doubted_since = None
         if pose is None or self._looks or self._has_to_look(tick):
             return self._look_around(tick, doubt, passed)
+        if trajectory is None:
+            return Twist2()
         if self._is_off(pose, trajectory):
             self.plan_anew()
             return Twist2()

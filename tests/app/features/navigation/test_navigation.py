@@ -12,7 +12,7 @@ from journeys import OTHER, PAGE, RENEW, JourneyBench, goal
 from app.engine.commands import parse
 from app.engine.snapshot import DrawnMap
 from app.features.navigation.messages import CancelCommand, GoalMessage, NavigateCommand
-from app.messages.commands import PauseCommand, ResumeCommand
+from app.messages.commands import PauseCommand, ResumeCommand, ScatterCommand
 from app.messages.driving_commands import DriveCommand, StopCommand, TakeCommand
 from app.page.telemetry import TelemetryWriter
 from robot.errors import CommandError
@@ -57,6 +57,21 @@ def test_telemetry_tells_how_far_it_is(bench):
     bench.go(60)
     told = writer.message(bench.now).navigation
     assert (told.state, told.remaining_m, told.remaining_s) == ("arrived", 0, 0)
+
+
+@pytest.mark.slow
+def test_a_robot_that_may_be_anywhere_looks_around_first_and_then_arrives():
+    """It stood for ever: without a place there was no way, and without a way no looking around."""
+    bench = JourneyBench(imperfect=True, map="stub")
+    bench.program.engine.commands.put(ScatterCommand(type="scatter"))
+    bench.now = bench.program.engine.step()
+    bench.send(goal(0.1, -0.15, 0.0))
+    looked = {each.added["navigation"].state for each in bench.go(2.0)}
+    bench.go(40.0)
+    bench.close()
+    assert "waiting" in looked
+    assert bench.status.state == "arrived"
+    assert bench.now.truth.distance_to(Pose2(0.1, -0.15)) < 0.002
 
 
 def test_a_stop_ends_it_at_once_and_holds_for_all(bench):
