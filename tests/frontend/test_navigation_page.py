@@ -140,6 +140,6 @@ def test_a_program_sends_its_goal_once(server):
     with server.live() as socket:
         goal = {"x": 0.0, "y": 0.0, "theta": 0.0}
         assert ask(socket, type="navigate", poses=[goal])["type"] == "ack"
-        told = until(socket, lambda now: now["navigation"]["state"] not in ("planning", "waiting"))
-        assert told["navigation"]["state"] == "driving"
+        # A tick from before may still tell how the last journey ended.
+        until(socket, lambda now: now["navigation"]["state"] == "driving")
         until(socket, lambda now: now["navigation"]["state"] == "arrived")
