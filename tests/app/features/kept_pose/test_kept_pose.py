@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from serving import until
+from camera_sources import until
 
 from app.command_line import main
 from app.engine.build import build_program
