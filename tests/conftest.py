@@ -22,7 +22,6 @@ LONGEST = (
     "test_failures_by_seed.py",
     "test_calibration.py",
     "test_mapping.py",
-    "test_localize_odometry.py",
     "test_calibration_page.py",
     "test_axe.py",
     "test_grading_ends.py",

@@ -40,7 +40,7 @@ class StepSums(NamedTuple):
     pull: Array
     """(7,) information times errors."""
     left: Array
-    """(3,) unexplained rest of the last seconds' steps [m, m, rad], each as far as its poses were known."""
+    """(3,) unexplained rest of the last seconds' steps [m, m, rad], as far as poses were known."""
     evidence: Array
     """(3,) how many such steps there were; one counts as far as its poses were known."""
     squares: Array
