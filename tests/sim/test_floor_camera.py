@@ -27,7 +27,7 @@ SQUARE = load_field("square", MAPS).floor
 IDEAL = CameraSettings(exposure=0, blur=0, noise=0, vignetting=0)
 STILL = Twist2()
 LIGHT, DARK = 213, 34
-TILT = np.diag([1.0, 1.0, 1.0, 1.0])
+TILT = np.eye(4)
 TILT[:2, :2] = [[math.cos(0.1), -math.sin(0.1)], [math.sin(0.1), math.cos(0.1)]]
 
 
@@ -282,7 +282,7 @@ def test_floor_of_one_tone_is_not_sampled_and_gives_the_same_picture(name: str) 
     quick, thorough = (FloorSamples(view_of(readout=0.015), floor, 0.03) for _ in range(2))
     # Now no strip lies on one tone, and no tile.
     seen = thorough._seen
-    tiles = seen.tiles + [0, 0, 1e6, 0]
+    tiles = seen.tiles + np.array([0, 0, 1e6, 0])
     thorough._seen = dataclasses.replace(seen, spread=seen.spread + 1e6, tiles=tiles)
     rng = np.random.default_rng(1)
     for _ in range(10):
