@@ -129,8 +129,7 @@ class FloorCamera:
     def expose(self, map_from_robot: Pose2, twist: Twist2) -> NDArray[np.uint8]:
         """Return ``picture`` without the sensor's noise. Any thread may call this.
 
-        The slow part: it draws nothing by chance, so it may run ahead. A robot that stands sees
-        what it saw, the same array, which is read-only.
+        It draws nothing by chance, so it may run ahead. Who stands gets the same read-only array.
         """
         last = self._exposed
         if last is None or last[:2] != (map_from_robot, twist):

@@ -57,9 +57,7 @@ class FloorSamples:
     def __init__(self, view: FloorView, floor: FloorPicture, exposure: float) -> None:
         """Prepare the samples of a camera with an exposure time [s]."""
         self._floor = floor
-        self._exposure = exposure
-        between = TILE_ROWS * view.lens.readout / (view.lens.height - 1)
-        self._tile_exposure = exposure + between
+        self._exposures = exposure, exposure + TILE_ROWS * view.lens.readout / view.lens.height
         self._size = (view.lens.height, view.lens.width)
         self._seen = _spread_samples(view, exposure)
         self._even = _even_blocks(floor)
@@ -75,10 +73,8 @@ class FloorSamples:
         """
         seen = self._seen
         affines = _sample_affines(self._pixel_from_map, map_from_robot, twist, seen.times)
-        blurred, tiles_blurred = (
-            (seconds * abs(twist.v), seconds * abs(twist.omega))
-            for seconds in (self._exposure, self._tile_exposure)
-        )
+        v, omega = abs(twist.v), abs(twist.omega)
+        blurred, tiles_blurred = ((time * v, time * omega) for time in self._exposures)
         picture = np.empty(self._size, dtype=np.uint8)
         uneven, samples = lists = self._lists()
         strips, count = fill_even_strips(

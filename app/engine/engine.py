@@ -41,7 +41,7 @@ MUCH_TOO_FAST = 1.1
 """By so much may a robot's clock run ahead of this computer's: no clock that waits does."""
 
 UNWATCHED_S = 0.2
-"""Interval of snapshots while nobody looks [s]: for whoever comes next, and for health."""
+"""Interval of snapshots while nobody looks [s]: with 0.02 all ticks cost 0.4 % of a core more."""
 
 WARM_UP_TICKS = 500
 """Ticks after which all compiled code is loaded: hundreds of thousands of objects that live as long
@@ -172,14 +172,11 @@ class Engine(ControlLoop):
     def _is_wanted(self, *, pictured: bool) -> bool:
         """Return whether anybody waits for this tick, maybe with a new picture."""
         clock, rate = time.monotonic(), self.audience.rate
-        if rate > 0:
-            wanted = pictured or self._rhythm.wait(clock) <= 0
-        else:
-            wanted = clock >= self._told + UNWATCHED_S - EARLY_S
-        if wanted:
-            self._told = clock
-            if rate > 0:
-                self._rhythm.choose(clock, rate)
+        wanted = clock >= self._told + UNWATCHED_S - EARLY_S
+        wanted |= rate > 0 and (pictured or self._rhythm.wait(clock) <= 0)
+        if wanted and rate > 0:
+            self._rhythm.choose(clock, rate)
+        self._told = clock if wanted else self._told
         return wanted or self.every.subscribed
 
     def _check_pace(self, began: float, first: float, stamp: float) -> None:
