@@ -161,6 +161,8 @@ FUNCTIONS: tuple[Compiled, ...] = (
             _I1,
             _F2,
             _F2,
+            float64[:, :, ::1],
+            _TWO,
             _TWO,
             float64,
             uint8[:, :, ::1],
