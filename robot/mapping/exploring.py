@@ -85,7 +85,9 @@ class Explorer:
         """Whether the next route depends on what was seen on the last one."""
         return self._sweep is None
 
-    def next(self, sketch: Sketch | None, pose: Pose2, looked: OccupancyGrid | None) -> Route | None:
+    def next(
+        self, sketch: Sketch | None, pose: Pose2, looked: OccupancyGrid | None
+    ) -> Route | None:
         """Return the next route in the frame of the map; None if there is nothing left to see.
 
         The first is a turn on the spot, the last leads back to where the map began.
@@ -150,10 +152,11 @@ class Explorer:
         if floor is None:
             return np.zeros((0, 2))
         cells, worth = floor.wanted()
-        unseen = cells[~floor.known(cells)]
+        unseen = ~floor.known(cells)
         ring = floor.hull.ring()
         ring = ring[~(floor.known(ring) | self._looked_out(floor, ring))]
-        return np.vstack([_large(unseen, CELL, LEAST_GAIN), _large(ring, RING_CELL, OUTWARD_GAIN)])
+        between = _large(cells[unseen], worth[unseen], CELL, LEAST_GAIN)
+        return np.vstack([between, _large(ring, np.ones(len(ring)), RING_CELL, OUTWARD_GAIN)])
 
 
 def best_view(floor: KnownFloor, visited: Array, pose: Pose2) -> Pose2 | None:
@@ -197,13 +200,13 @@ def best_lookout(floor: KnownFloor, cells: Array, pose: Pose2) -> tuple[Array, A
 
     Also return in which directions (k,) it shows them [rad]; None if no place shows enough.
     """
-    here = np.array([pose.x, pose.y])
+    from_place = np.array([pose.x, pose.y])
     best, most = None, 0.0
     # From the outside it sees farther; but for the first time it has to look there from the border.
     for outside in (OUTSIDE, 0.0):
-        for place in floor.within_reach(floor.hull.around(SPACING, outside), here):
+        for place in floor.within_reach(floor.hull.around(SPACING, outside), from_place):
             shown = floor.visible(place, cells)
-            gain = shown.sum() / (FIXED_COST + WAY_COST * math.dist(place, here))
+            gain = shown.sum() / (FIXED_COST + WAY_COST * math.dist(place, from_place))
             if shown.sum() >= OUTWARD_GAIN and gain > most:
                 away = cells[shown] - place
                 best, most = (place, np.arctan2(away[:, 1], away[:, 0])), gain
@@ -224,17 +227,17 @@ def _sweep(bearings: Array, arrival: float) -> tuple[float, float]:
     return first, turn
 
 
-def _large(cells: Array, side: float, least: float) -> Array:
-    """Return a place (n, 2) in each coarse cell that is full of cells (m, 2) of a side [m]."""
+def _large(cells: Array, worth: Array, side: float, least: float) -> Array:
+    """Return a place (k, 2) in each coarse cell whose cells (n, 2) of a side [m] are worth it."""
     if not len(cells):
         return cells
     coarse = math.ceil(math.sqrt(least)) * side
-    _, first, sizes = np.unique(
-        np.floor(cells / coarse), axis=0, return_index=True, return_counts=True
+    _, first, which = np.unique(
+        np.floor(cells / coarse), axis=0, return_index=True, return_inverse=True
     )
-    order = np.argsort(-sizes, kind="stable")
-    order = order[sizes[order] >= least]
-    return np.asarray(cells[first[order]])
+    sums = np.bincount(which.ravel(), worth)
+    order = np.argsort(-sums, kind="stable")
+    return np.asarray(cells[first[order[sums[order] >= least]]])
 
 
 @dataclass(frozen=True, eq=False)
@@ -314,19 +317,21 @@ class KnownFloor:
             return None
         thin = [_without_bends(line) for line in sketch.lines]
         segments = [np.stack([line[:-1], line[1:]], axis=1) for line in thin]
-        return cls(hull, tape, sketch.lines, np.concatenate([np.zeros((0, 2, 2)), *segments]), looked)
+        return cls(
+            hull, tape, sketch.lines, np.concatenate([np.zeros((0, 2, 2)), *segments]), looked
+        )
 
     def known(self, points: Array) -> NDArray[np.bool_]:
         """Return which points (..., 2) lie on tape, or on floor that was seen."""
         known: NDArray[np.bool_] = self.looked.values_at(points.reshape(-1, 2)) != UNKNOWN
         return known.reshape(points.shape[:-1])
 
-    def within_reach(self, places: Array, here: Array) -> Array:
-        """Return the places (n, 2) to which the way from here (2,) is on floor that was seen.
+    def within_reach(self, places: Array, from_place: Array) -> Array:
+        """Return the places (n, 2) to which the way from another (2,) is on floor that was seen.
 
         Within the hull it need not have been. Elsewhere, nobody knows whether floor goes on.
         """
-        ways = here + np.linspace(0, 1, 20)[:, None, None] * (places - here)
+        ways = from_place + np.linspace(0, 1, 20)[:, None, None] * (places - from_place)
         on_floor = (self.hull.depth(ways) >= 0) | self.known(ways)
         reached: Array = places[on_floor.all(axis=0)]
         return reached
