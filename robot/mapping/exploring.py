@@ -111,8 +111,8 @@ class Explorer:
         if begins:
             return Route(pose, turn=math.tau)
         if self._sweep is not None:
-            route, self._sweep = self._sweep, None
-            return Route(Pose2(pose.x, pose.y, route.goal.theta), turn=route.turn)
+            sweep, self._sweep = self._sweep, None
+            return Route(Pose2(pose.x, pose.y, sweep.goal.theta), turn=sweep.turn)
         if sketch is None or looked is None:
             return None
         floor = KnownFloor.of(sketch, looked)
@@ -145,9 +145,10 @@ class Explorer:
             return None
         place, bearings = best
         self._lookouts.append(place)
+        x, y = place.tolist()
         first, turn = _sweep(bearings, math.atan2(place[1] - pose.y, place[0] - pose.x))
-        self._sweep = Route(Pose2(*place, wrap_angle(first + turn)), turn=turn)
-        return Route(Pose2(*place, first))
+        self._sweep = Route(Pose2(x, y, wrap_angle(first + turn)), turn=turn)
+        return Route(Pose2(x, y, first))
 
     def _looked_out(self, floor: KnownFloor, cells: Array) -> NDArray[np.bool_]:
         """Return which cells (n,) should have been seen from where the robot looked around."""
@@ -361,14 +362,14 @@ class KnownFloor:
 
     def shown(self, view: Array, points: Array) -> NDArray[np.bool_]:
         """Return which points (n, 2) a view (3,) shows."""
-        shown = _in_view(points, view[None])[0]
+        shown: NDArray[np.bool_] = _in_view(points, view[None])[0]
         shown[shown] = ~self._hidden(view[:2], points[shown])
         return shown
 
     def visible(self, place: Array, points: Array) -> NDArray[np.bool_]:
         """Return which points (n, 2) a robot sees that looks all around at a place (2,)."""
         distance = np.hypot(*(points - place).T)
-        visible = (distance > BLIND) & (distance < OUTWARD)
+        visible: NDArray[np.bool_] = (distance > BLIND) & (distance < OUTWARD)
         visible[visible] = ~self._hidden(place, points[visible])
         return visible
 

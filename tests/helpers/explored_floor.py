@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -132,7 +133,7 @@ def next_route(explorer: Explorer, floor: DrawnFloor, pose: Pose2) -> Route | No
     return explorer.next(sketch, pose, cells)
 
 
-def _driven(route: Route, pose: Pose2):
+def _driven(route: Route, pose: Pose2) -> Iterator[Pose2]:
     while (twist := route.twist(pose)) is not None:
         pose = pose @ twist.integrate(TICK)
         yield pose
@@ -142,8 +143,13 @@ def _before(away: np.ndarray, heading: float, ends: np.ndarray) -> np.ndarray:
     """Which points (..., 2) from the robot rays reach before their ends."""
     distance = np.hypot(away[..., 0], away[..., 1])
     aside = wrap_angle(np.arctan2(away[..., 1], away[..., 0]) - heading)
-    ray = np.rint((aside + HALF_ANGLE) / (RAYS[1] - RAYS[0])).astype(int).clip(0, len(RAYS) - 1)
-    return (np.abs(aside) <= HALF_ANGLE) & (distance > BEGIN) & (distance < ends[ray])
+    ray: np.ndarray = (
+        np.rint((aside + HALF_ANGLE) / (RAYS[1] - RAYS[0])).astype(int).clip(0, len(RAYS) - 1)
+    )
+    reached: np.ndarray = (
+        (np.abs(aside) <= HALF_ANGLE) & (distance > BEGIN) & (distance < ends[ray])
+    )
+    return reached
 
 
 def _sampled(line: np.ndarray) -> np.ndarray:
