@@ -15,6 +15,8 @@ from robot.mapping.exploring import MOST_LOOKS, OUTSIDE, Explorer
 TICK = 0.02
 SQUARE = rectangle(-0.5, -0.5, 0.5, 0.5)
 LONGEST_S = 60.0
+MOST_TAPE = 0.98
+"""Some centimetres at a corner may be missing: only what is farther than its width is driven to."""
 
 
 def driven(route: Route, pose: Pose2) -> tuple[Pose2, float]:
@@ -64,7 +66,7 @@ def test_an_island_is_found(gap: float) -> None:
         [rectangle(-0.35, -0.35, 0.35, 0.35), rectangle(0.4 + gap, -0.3, 1.1 + gap, 0.4)]
     )
     drive = explored(floor, Pose2())
-    assert floor.share > 0.99
+    assert floor.share > MOST_TAPE
     assert len(drive.unseen) == 0
 
 
@@ -74,7 +76,7 @@ def test_floor_that_tape_hides_is_driven_to() -> None:
     mark = np.array([[0.2, 0.0], [0.4, 0.0]])
     floor = DrawnFloor([SQUARE, wall, mark])
     explored(floor, Pose2(-0.25, 0.0, 0.0))
-    assert floor.share > 0.99
+    assert floor.share > MOST_TAPE
 
 
 def test_tape_that_leads_on_is_followed() -> None:
@@ -82,7 +84,7 @@ def test_tape_that_leads_on_is_followed() -> None:
     lines = [rectangle(0.8 * room, 0.0, 0.8 * (room + 1), 0.7) for room in range(4)]
     floor = DrawnFloor(lines)
     explored(floor, Pose2(0.4, 0.35, 0.0))
-    assert floor.share > 0.99
+    assert floor.share > MOST_TAPE
 
 
 def test_what_is_never_shown_is_told_and_not_looked_at_for_ever() -> None:
