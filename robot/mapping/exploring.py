@@ -323,6 +323,9 @@ class KnownFloor:
         """Return what a sketch shows; None if its tape has no inside."""
         tape = np.vstack([*sketch.lines, sketch.edges])
         hull = _Hull.of(tape)
+        if hull is None and len(tape):
+            # A single straight line has no inside, but floor around it.
+            hull = _Hull.of(np.vstack([tape + (BESIDE, -BESIDE), tape - (BESIDE, -BESIDE), tape]))
         if hull is None:
             return None
         thin = [_without_bends(line) for line in sketch.lines]

@@ -87,6 +87,12 @@ def test_tape_that_leads_on_is_followed() -> None:
     assert floor.share > MOST_TAPE
 
 
+def test_a_robot_that_sees_a_single_straight_line_first_goes_on() -> None:
+    floor = DrawnFloor([SQUARE])
+    drive = explored(floor, Pose2(-0.55, 0.0, math.pi))
+    assert floor.share > MOST_TAPE or len(drive.unseen)
+
+
 def test_what_is_never_shown_is_told_and_not_looked_at_for_ever() -> None:
     floor = DrawnFloor([SQUARE], dark=(0.1, 0.1, 0.45, 0.45))
     drive = explored(floor, Pose2())
