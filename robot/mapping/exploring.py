@@ -325,7 +325,8 @@ class KnownFloor:
         hull = _Hull.of(tape)
         if hull is None and len(tape):
             # A single straight line has no inside, but floor around it.
-            hull = _Hull.of(np.vstack([tape + (BESIDE, -BESIDE), tape - (BESIDE, -BESIDE), tape]))
+            aside = np.array([BESIDE, -BESIDE])
+            hull = _Hull.of(np.vstack([tape + aside, tape - aside]))
         if hull is None:
             return None
         thin = [_without_bends(line) for line in sketch.lines]
