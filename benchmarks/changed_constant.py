@@ -68,10 +68,11 @@ class Constant:
         for statement in tree.body:
             place = _place(statement, self.name)
             if place is not None and isinstance(statement, ast.Assign):
-                several = isinstance(statement.targets[0], ast.Tuple)
-                assert not several or isinstance(statement.value, ast.Tuple)
-                elements = statement.value.elts if several else [statement.value]
-                return ast.unparse(elements[place])
+                value_tree = statement.value
+                if isinstance(statement.targets[0], ast.Tuple):
+                    assert isinstance(value_tree, ast.Tuple)
+                    value_tree = value_tree.elts[place]
+                return ast.unparse(value_tree)
         raise ValueError(f"{self.module} has no {self.name}")
 
     @property

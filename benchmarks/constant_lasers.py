@@ -51,7 +51,7 @@ class LaserLap:
     steps: list[Pose2]
     scans: list[Scan]
     walls: Array
-    """(n, 2) [m]"""
+    """(n, 2) middles of occupied cells [m]"""
     seed: int
 
 
@@ -102,7 +102,7 @@ def lap(seed: int) -> LaserLap:
         met = rng.random(exact.size) < SHORT
         ranges = np.where(met, ranges * rng.random(exact.size), ranges)
         scans.append(Scan(0.5 * number, BEARINGS, ranges))
-    walls = CELL * (np.argwhere(cells)[:, ::-1] + 0.5)
+    walls = CELL * (np.argwhere(cells)[:, ::-1].astype(float) + 0.5)
     return LaserLap(truth, steps, scans, walls, seed)
 
 
@@ -143,9 +143,9 @@ def _figures(mapper: CellMapper, one: LaserLap) -> tuple[float, float, float]:
     """Return the path's error and the largest, and that of drawn walls [mm]."""
     true = np.array([(pose.x, pose.y) for pose in one.truth])
     off = np.hypot(*(mapper.path[:, :2] - true).T)
-    places = np.argwhere(mapper.grid.occupied)[:, ::-1] + 0.5
+    places = np.argwhere(mapper.grid.occupied)[:, ::-1].astype(float) + 0.5
     drawn = mapper.grid.origin.apply(places * mapper.grid.resolution)
-    away, _ = cKDTree(one.walls).query(drawn)
+    away = np.asarray(cKDTree(one.walls).query(drawn)[0])
     return (
         1e3 * float(np.sqrt(np.mean(off**2))),
         1e3 * float(off.max()),

@@ -27,6 +27,8 @@ DRIVES = "benchmarks.constant_trials"
 TRIALS = {
     "robot.calibration.": "benchmarks.constant_calibrations",
     "robot.driving.route": "benchmarks.constant_routes",
+    "robot.localization.grid.": "benchmarks.constant_filters",
+    "robot.localization.kalman_filter": "benchmarks.constant_filters",
     "robot.mapping.": "benchmarks.constant_maps",
     "robot.mapping.exploring": "benchmarks.constant_routes",
     "robot.mapping.graph.": "benchmarks.constant_lasers",
