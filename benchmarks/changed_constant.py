@@ -84,7 +84,7 @@ class Constant:
             value = getattr(following.value, "value", None)
             if isinstance(value, str):
                 text = " ".join(value.partition("\n\n")[0].split())
-                return re.split(r"(?<=[.?!])\s", text, maxsplit=1)[0]
+                return re.split(r"(?<=[^.][.?!])\s", text, maxsplit=1)[0]
         return ""
 
     @property

@@ -58,20 +58,20 @@ def tried(trials: list[ConstantTrial], other_numbers: int) -> dict[str, Any]:
     figures: dict[str, Any] = {}
     each: list[int] = []
     for name, start in FILTERS.items():
-        distances, found = [], []
+        distances, is_found = [], []
         for trial in trials:
             kind = replace(trial.config.localization.filter, filter=name)
             settings = replace(trial.config.localization, filter=kind)
             config = replace(trial.config, localization=settings)
             claims = follow_claims(trial.drive, config, start)
             late = claims.stamps > FIRST
-            found.append(right(claims)[late])
-            distances.append(claims.distances[late][found[-1]])
+            is_found.append(right(claims)[late])
+            distances.append(claims.distances[late][is_found[-1]])
             each += [zlib.crc32(line.encode()) for line in claims_csv(claims).splitlines()]
         near = np.concatenate(distances)
         figures |= {
             f"{name}: error [mm]": 1e3 * float(np.median(near)) if len(near) else math.inf,
             f"{name}: 99 % [mm]": 1e3 * float(np.percentile(near, 99)) if len(near) else math.inf,
-            f"{name}: wrong [%]": 100 * float(1 - np.concatenate(found).mean()),
+            f"{name}: wrong [%]": 100 * float(1 - np.concatenate(is_found).mean()),
         }
     return figures | {"each": each}

@@ -93,8 +93,10 @@ def lap(seed: int) -> LaserLap:
     for before, after in pairwise(truth):
         moved = before.inverse() @ after
         way = math.hypot(moved.x, moved.y)
-        off = rng.normal(0, WHEELS * way, 2)
-        steps.append(Pose2(SCALE[0] * moved.x + off[0], moved.y, SCALE[1] * moved.theta + off[1]))
+        noise = rng.normal(0, WHEELS * way, 2)
+        steps.append(
+            Pose2(SCALE[0] * moved.x + noise[0], moved.y, SCALE[1] * moved.theta + noise[1])
+        )
     exact, scans = np.empty((1, len(BEARINGS))), []
     for number, pose in enumerate(truth):
         cast_rays(pose.to_array()[None], BEARINGS, building.field.edge_index, REACH, exact)
@@ -117,8 +119,10 @@ def tried(laps: list[LaserLap], other_numbers: int) -> dict[str, Any]:
     figures: dict[str, Any] = {}
     each = []
     for name in ("graph", "particles"):
-        drawn = [_drawn(name, one) for one in laps]
-        rows = np.array([_figures(mapper, one) for mapper, one in zip(drawn, laps, strict=True)])
+        drawn = [_drawn(name, driven) for driven in laps]
+        rows = np.array(
+            [_figures(mapper, driven) for mapper, driven in zip(drawn, laps, strict=True)]
+        )
         figures |= {
             f"{name}: path off [mm]": float(rows[:, 0].mean()),
             f"{name}: at most [mm]": float(rows[:, 1].max()),
@@ -128,26 +132,26 @@ def tried(laps: list[LaserLap], other_numbers: int) -> dict[str, Any]:
     return figures | {"each": each}
 
 
-def _drawn(name: str, one: LaserLap) -> CellMapper:
+def _drawn(name: str, driven: LaserLap) -> CellMapper:
     if name == "graph":
-        mapper: CellMapper = GraphSlam(GraphSettings(), one.truth[0])
+        mapper: CellMapper = GraphSlam(GraphSettings(), driven.truth[0])
     else:
-        mapper = FastSlam(WALLS, one.truth[0], np.random.default_rng(one.seed))
-    for step, scan in zip(one.steps, one.scans, strict=True):
+        mapper = FastSlam(WALLS, driven.truth[0], np.random.default_rng(driven.seed))
+    for step, scan in zip(driven.steps, driven.scans, strict=True):
         mapper.update(step, Beams.of_scan(scan, REACH))
     mapper.finish()
     return mapper
 
 
-def _figures(mapper: CellMapper, one: LaserLap) -> tuple[float, float, float]:
+def _figures(mapper: CellMapper, driven: LaserLap) -> tuple[float, float, float]:
     """Return the path's error and the largest, and that of drawn walls [mm]."""
-    true = np.array([(pose.x, pose.y) for pose in one.truth])
-    off = np.hypot(*(mapper.path[:, :2] - true).T)
+    true = np.array([(pose.x, pose.y) for pose in driven.truth])
+    errors = np.hypot(*(mapper.path[:, :2] - true).T)
     places = np.argwhere(mapper.grid.occupied)[:, ::-1].astype(float) + 0.5
     drawn = mapper.grid.origin.apply(places * mapper.grid.resolution)
-    away = np.asarray(cKDTree(one.walls).query(drawn)[0])
+    away = np.asarray(cKDTree(driven.walls).query(drawn)[0])
     return (
-        1e3 * float(np.sqrt(np.mean(off**2))),
-        1e3 * float(off.max()),
+        1e3 * float(np.sqrt(np.mean(errors**2))),
+        1e3 * float(errors.max()),
         1e3 * float(np.mean(away)) if len(away) else math.inf,
     )

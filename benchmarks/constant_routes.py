@@ -95,7 +95,7 @@ def tried(trials: list[RouteTrial], other_numbers: int) -> dict[str, Any]:
         driver.driven(Route(goal)) for driver, (_, goal) in zip(ends, trial.goals, strict=True)
     ]
     explored = [_explored(lines, rng) for lines in trial.floors]
-    off = [
+    distances = [
         driver.pose.distance_to(goal) for driver, (_, goal) in zip(ends, trial.goals, strict=True)
     ]
     turned = [
@@ -104,7 +104,7 @@ def tried(trials: list[RouteTrial], other_numbers: int) -> dict[str, Any]:
     ]
     return {
         "route [s]": float(np.mean([driver.seconds for driver in ends])),
-        "place off [mm]": 1e3 * float(np.mean(off)),
+        "place off [mm]": 1e3 * float(np.mean(distances)),
         "heading off [deg]": math.degrees(float(np.mean(turned))),
         "not reached": routes.count(False),
         "explored in [s]": float(np.mean([seconds for seconds, _ in explored])),
@@ -155,16 +155,16 @@ def _explored(lines: list[Array], rng: np.random.Generator) -> tuple[float, floa
 
 def _sketch(lines: list[Array], path: Array, stamp: float) -> Sketch | None:
     """Return what was seen of lines: each run of points that were in view is a line."""
-    found = []
+    runs = []
     for line in lines:
         seen = _in_view(line, path)
         breaks = np.flatnonzero(np.diff(seen.astype(int))) + 1
-        found += [run for run, is_seen in zip(
+        runs += [run for run, is_seen in zip(
             np.split(line, breaks), np.split(seen, breaks), strict=True
         ) if is_seen[0] and len(run) > 2]  # fmt: skip
-    if not found:
+    if not runs:
         return None
-    return Sketch(tuple(found), np.zeros(len(found)), path, np.vstack(found), stamp, None)
+    return Sketch(tuple(runs), np.zeros(len(runs)), path, np.vstack(runs), stamp, None)
 
 
 def _in_view(points: Array, path: Array) -> Array:

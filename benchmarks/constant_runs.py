@@ -9,6 +9,7 @@ from __future__ import annotations
 import importlib
 import json
 import os
+import resource
 import shutil
 import subprocess
 import sys
@@ -76,15 +77,14 @@ class Try:
     compiled: tuple[tuple[str, str], ...] = ()
     """Functions that are compiled anew, by module and name."""
     other_numbers: int = 0
+    longest_s: int = 0
+    """How much time of the processor it may take [s]; 0: any."""
 
-    def outcome(self, longest: float | None = None) -> Outcome:
+    def outcome(self) -> Outcome:
         """Start the process, and return its figures.
 
-        Args:
-            longest: how long it may take [s].
-
         Raises:
-            subprocess.SubprocessError: it fails, or takes longer.
+            subprocess.CalledProcessError: it fails, or by ``SIGXCPU``, it takes too long.
         """
         program = [sys.executable, "-m", "benchmarks.constant_runs"]
         with tempfile.TemporaryDirectory() as folder:
@@ -97,13 +97,14 @@ class Try:
                 env=environment,
                 capture_output=True,
                 check=True,
-                timeout=longest,
             )
         result: Outcome = json.loads(done.stdout.splitlines()[-1])
         return result
 
     def carry_out(self) -> None:
         """Be that process."""
+        if self.longest_s:
+            resource.setrlimit(resource.RLIMIT_CPU, (self.longest_s, self.longest_s + 1))
         change([Constant.of(name) for name in self.constants], self.value)
         # Only now, as it imports what is changed.
         trials = importlib.import_module(self.trials)

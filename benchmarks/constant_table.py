@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import math
 import re
+import signal
 import subprocess
 import sys
 import tempfile
@@ -53,8 +54,8 @@ OTHERS, SDS = 4, 4.0
 HALF, TWICE = "*0.5", "*2"
 ABSURD = ("*100", "*0.01")
 """Tried if half and twice change no result, to see that a trial has the constant at work."""
-LONGEST_S = 180.0
-"""A run that takes longer, fails."""
+LONGEST_S = 180
+"""A run that takes more time of the processor, fails."""
 LARGER_IS_BETTER = ("right [%]", "certain [%]", "cause named [%]")
 """Of all other figures, a smaller one is better."""
 BETTER, WORSE, MIXED = "better", "worse", "better and worse"
@@ -73,8 +74,9 @@ if only random numbers, or the drives, are others: four standard deviations of f
 differs by less is `nothing beyond chance`. What is `better` was so with other random numbers too;
 of so many constants, some are by chance all the same. It is better in these trials, by the figures
 that are shown, and no reason alone for another value: a route at twice the speed takes less time,
-and nothing in its trial tells that pictures blur. Where no result differs, a hundred times or a hundredth of the value was tried as well, and changed results.
-Whole numbers stay whole; `is the same` stands for half of 1.
+and nothing in its trial tells that pictures blur. Where no result differs, a hundred times or a
+hundredth of the value was tried as well, and changed results. Whole numbers stay whole; `is the
+same` stands for half of 1.
 
 """
 
@@ -87,14 +89,14 @@ class Row:
     constant: str
     value: str
     """As the source has it."""
-    what: str
+    sentence: str
     measured: str
     verdict: str
 
     @property
     def line(self) -> str:
         """Return it as a line of the page."""
-        cells = (self.file, self.constant, self.value, self.what, self.measured, self.verdict)
+        cells = (self.file, self.constant, self.value, self.sentence, self.measured, self.verdict)
         return f"| {' | '.join(cell.replace('|', '&#124;') for cell in cells)} |"
 
 
@@ -107,10 +109,12 @@ def main(names: list[str]) -> int:
         return 2
     rows = read_rows(PAGE)
     rows = {key: row for key, row in rows.items() if (ROOT / key[0]).exists()}
-    rows = {key: row for key, row in rows.items() if _of(key).stands}
-    changed = [_of(key) for key, row in rows.items() if row.value != _of(key).expression()]
+    rows = {key: row for key, row in rows.items() if _constant(key).stands}
+    changed = [
+        _constant(key) for key, row in rows.items() if row.value != _constant(key).expression()
+    ]
     files = listed_constants(UNMEASURED).get(TO_MEASURE, {})
-    listed = [_of((file, name)) for file, names in files.items() for name in names]
+    listed = [_constant((file, name)) for file, names in files.items() for name in names]
     todo = named or [*changed, *(each for each in listed if each not in changed)]
     _write(rows)
     groups: dict[tuple[bool, int, str], list[Constant]] = defaultdict(list)
@@ -133,7 +137,7 @@ def main(names: list[str]) -> int:
     return 0
 
 
-def _of(key: tuple[str, str]) -> Constant:
+def _constant(key: tuple[str, str]) -> Constant:
     place, name = key
     return Constant(place.removesuffix(".py").replace("/", "."), name)
 
@@ -144,9 +148,7 @@ def _of(key: tuple[str, str]) -> Constant:
 class Measuring:
     """Measures constants by the trials of one kind."""
 
-    def __init__(
-        self, usual: Try, outcome: Callable[[Try], Outcome] = lambda run: run.outcome(LONGEST_S)
-    ) -> None:
+    def __init__(self, usual: Try, outcome: Callable[[Try], Outcome] = Try.outcome) -> None:
         self._usual, self._outcome = usual, outcome
         self._as_it_is = outcome(usual)
         others = [
@@ -197,15 +199,16 @@ class Measuring:
             value=factor,
             compiled=compiled_users((constant,)),
             other_numbers=other_numbers,
+            longest_s=LONGEST_S,
         )
         try:
             return self._outcome(run)
-        except subprocess.TimeoutExpired:
-            return f"does not end within {LONGEST_S:g} s"
         except subprocess.CalledProcessError as error:
+            if error.returncode == -signal.SIGXCPU:
+                return f"does not end within {LONGEST_S} s of the processor"
             lines = (error.stderr or b"").decode(errors="replace").strip().splitlines()
-            found = re.match(r"(?:\w+\.)*(\w+)", lines[-1] if lines else "")
-            return f"fails ({found.group(1) if found else 'ended'})"
+            last = re.match(r"(?:\w+\.)*(\w+)", lines[-1] if lines else "")
+            return f"fails ({last.group(1) if last else 'ended'})"
 
     def _verdict(self, outcome: Outcome | str | None, usual: Outcome | None = None) -> str:
         usual = usual or self._as_it_is
@@ -221,22 +224,22 @@ class Measuring:
 
     def _gain(self, name: str, outcome: Outcome, usual: Outcome) -> float:
         """Return by how much a figure is better, in units of what it differs by chance."""
-        now, before = float(outcome[name]), float(usual[name])
-        if now == before:
+        figure, before = float(outcome[name]), float(usual[name])
+        if figure == before:
             return 0.0
-        if math.isnan(now) or math.isnan(before):
+        if math.isnan(figure) or math.isnan(before):
             # All was refused: the number of the refused ones tells so.
             return 0.0
-        gain = now - before if name in LARGER_IS_BETTER else before - now
+        gain = figure - before if name in LARGER_IS_BETTER else before - figure
         if math.isinf(gain) or self._chance[name] == 0:
             return math.copysign(math.inf, gain)
         return gain / self._chance[name]
 
     def _confirmed(self, constant: Constant, factor: str, verdict: str) -> str:
         """Return what stays of a verdict with other random numbers."""
-        again = self._verdict(self._tried(constant, factor, OTHER_NUMBERS), self._other)
-        if again in (BETTER, MIXED):
-            return again if verdict == MIXED else verdict
+        other = self._verdict(self._tried(constant, factor, OTHER_NUMBERS), self._other)
+        if other in (BETTER, MIXED):
+            return other if verdict == MIXED else verdict
         return WORSE if verdict == MIXED else f"{BY_CHANCE} (better only with these random numbers)"
 
     def _figures(self, tries: dict[str, Outcome | str | None]) -> str:
@@ -308,7 +311,7 @@ def write_page(page: Path, rows: Iterable[Row]) -> None:
 
 
 def _write(rows: dict[tuple[str, str], Row]) -> None:
-    write_page(PAGE, (replace(row, what=_of(key).sentence) for key, row in rows.items()))
+    write_page(PAGE, (replace(row, sentence=_constant(key).sentence) for key, row in rows.items()))
 
 
 def listed_constants(path: Path) -> dict[str, dict[str, list[str]]]:

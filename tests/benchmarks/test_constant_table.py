@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import subprocess
 from collections.abc import Callable
 from pathlib import Path
@@ -48,7 +49,7 @@ def test_what_differs_by_less_than_chance_changes_nothing() -> None:
     assert row.verdict == "half and twice: nothing beyond chance"
     assert row.measured == "off [mm]: 10.1, 9.8, 10.1 (by chance 0.669)"
     assert (row.file, row.constant, row.value) == ("robot/driving/route.py", "SPEED", "0.12")
-    assert row.what.startswith("Highest speed")
+    assert row.sentence.startswith("Highest speed")
 
 
 @pytest.mark.parametrize(
@@ -75,6 +76,16 @@ def test_a_run_that_fails_is_named() -> None:
     assert row is not None
     assert row.verdict == "half fails (ValueError); twice changes no result"
     assert row.measured.startswith("off [mm]: -, ")
+
+
+def test_a_run_that_does_not_end_is_named() -> None:
+    def outcome(run: Try) -> Outcome:
+        if run.longest_s:
+            raise subprocess.CalledProcessError(-signal.SIGXCPU, [])
+        return {"off [mm]": 1.0, "each": [1]}
+
+    row = Measuring(Try("trials", "drives"), outcome).row(SPEED)
+    assert row is not None and "does not end" in row.verdict
 
 
 def test_a_constant_that_an_absurd_value_does_not_show_is_not_measured() -> None:
