@@ -20,7 +20,12 @@ import numpy as np
 
 from robot.geometry import Array, Pose2, Twist2, turned_covariance
 from robot.localization.monitoring.steady_errors import SteadyErrors
-from robot.localization.monitoring.step_sums import StepSums, add_step, estimate_errors
+from robot.localization.monitoring.step_sums import (
+    StepSums,
+    add_step,
+    estimate_errors,
+    jump_lateness,
+)
 
 LAG, LONGEST = 0.33, 1.2
 """Time over which steps are compared, and the longest such time when pictures are rare [s]. Half of
@@ -31,6 +36,13 @@ SETTLING = 1.5
 """Until the robot has driven for this long after a place was given or found, steps ahead and aside
 do not contradict odometry [s]. Time at rest does not count, as the filter then takes no scans.
 Half: nothing changes beyond chance; twice: 41.3 % certain."""
+JUMP, JUMP_BY_TIME, JUMP_SURE = 0.02, 0.25, 5.0
+"""Pictures come later all at once, or earlier, if a pose seems to be reached later by JUMP [s] and
+by this share of the time since the last picture, and by so many standard deviations. Of a robot
+whose pictures come on time, 12 ms is the most that a picture seems late by chance."""
+LATEST_JUMP, JUMP_SD, ALONG = 0.2, 0.3, 0.8
+"""What seems to come later by more [s] was moved. A jump is known up to this share of itself, and
+must explain this share of the squared difference from odometry."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -90,6 +102,8 @@ class OdometryCheck:
         """Stamp and odometry of the last pose; where odometry is, no jump of the pose changes."""
         self._followed = 0.0
         """How long the place has been followed while the robot drove [s]."""
+        self._slipping = 0.0
+        """How much later the last pose seemed to be reached than the one before [s]."""
         self.errors = self._estimated(estimate_errors(self._sums))
         """The likeliest steady errors."""
         self.twist = Twist2(0.0, 0.0)
@@ -124,9 +138,32 @@ class OdometryCheck:
         before = self._before(stamp)
         if before is not None and elapsed < LONGEST:
             self._compare(before, current, elapsed)
+        if self._steps:
+            self._notice_jump(self._steps[-1], current)
         self._steps.append(current)
         while self._steps and stamp - self._steps[0].stamp > LONGEST:
             self._steps.popleft()
+
+    def _notice_jump(self, before: _Step, after: _Step) -> None:
+        """Take in that pictures come later than before, all at once, or earlier.
+
+        The pose then differs from odometry along the twist, in place and heading alike. Slip does,
+        too, but for longer than one picture, and by less than the whole way.
+        """
+        moved = before.odometry.inverse() @ after.odometry
+        offset = (moved.inverse() @ before.pose.inverse() @ after.pose).to_array()
+        variances = (before.covariance + after.covariance).diagonal()
+        column = np.array([-after.twist.v, 0.0, -after.twist.omega])
+        information = float(column @ (column / variances))
+        later = float(column @ (offset / variances)) / max(information, 1e-9)
+        change, self._slipping = later - self._slipping, later
+        least = JUMP + JUMP_BY_TIME * (after.stamp - before.stamp)
+        explained = later**2 * information > ALONG * float(offset @ (offset / variances))
+        sure = change**2 * information > JUMP_SURE**2
+        if self.settled and explained and sure and least < abs(change) and abs(later) < LATEST_JUMP:
+            jump_lateness(self._sums, change, JUMP_SD)
+            self.errors, self._slipping = self._estimated(estimate_errors(self._sums)), 0.0
+            self._steps.clear()
 
     def _before(self, stamp: float) -> _Step | None:
         before = None

@@ -138,6 +138,19 @@ def estimate_errors(sums: StepSums) -> tuple[Array, Array, Array]:
 
 
 @compiled()
+def jump_lateness(sums: StepSums, later: float, share: float) -> None:
+    """Let pictures come later from now on [s], known up to a share of that."""
+    values, covariance, _ = estimate_errors(sums)
+    values[0] += later
+    covariance[0, 0] += (share * later) ** 2
+    # Of pictures that came late once, nobody knows beforehand that they come on time.
+    sums.prior[0, 0] = 1 / (1 / sums.prior[0, 0] + later**2)
+    known = inverse(covariance)
+    sums.information[:] = known - sums.prior
+    sums.pull[:] = known @ values
+
+
+@compiled()
 def step_columns(moved: Array, first: Array, last: Array) -> Array:
     """Return how a step changes by a unit of each of ``ERRORS`` (3, 7), seen from its end.
 
