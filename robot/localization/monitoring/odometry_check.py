@@ -21,6 +21,8 @@ import numpy as np
 from robot.geometry import Array, Pose2, Twist2, turned_covariance
 from robot.localization.monitoring.steady_errors import SteadyErrors
 from robot.localization.monitoring.step_sums import (
+    CHANGE_OMEGA,
+    CHANGE_V,
     StepSums,
     add_step,
     estimate_errors,
@@ -160,7 +162,10 @@ class OdometryCheck:
         least = JUMP + JUMP_BY_TIME * (after.stamp - before.stamp)
         explained = later**2 * information > ALONG * float(offset @ (offset / variances))
         sure = change**2 * information > JUMP_SURE**2
-        if self.settled and explained and sure and least < abs(change) and abs(later) < LATEST_JUMP:
+        jumped = explained and sure and least < abs(change) and abs(later) < LATEST_JUMP
+        # While the speed changes, constant lateness shows in the same way.
+        recent = (step.twist for step in self._steps if after.stamp - step.stamp < LAG)
+        if self.settled and jumped and all(_alike(twist, after.twist) for twist in recent):
             jump_lateness(self._sums, change, JUMP_SD)
             self.errors, self._slipping = self._estimated(estimate_errors(self._sums)), 0.0
             self._steps.clear()
@@ -200,3 +205,7 @@ class OdometryCheck:
         """Covariance (3, 3) of the unexplained rest of steps, along the robot's axes."""
         left: Array = np.diag(self._sums.wiggle / (self._sums.counts[1] + 1))
         return left
+
+
+def _alike(one: Twist2, other: Twist2) -> bool:
+    return abs(one.v - other.v) < CHANGE_V and abs(one.omega - other.omega) < CHANGE_OMEGA

@@ -175,6 +175,28 @@ def test_wheels_that_slip_now_and_then_leave_a_rest_and_move_no_steady_error() -
     assert check.step_covariance[0, 0] < 0.01**2
 
 
+def test_pictures_that_come_later_all_at_once_are_told_by_the_next_step() -> None:
+    check, late = OdometryCheck(), Planted(late=0.09)
+    told = []
+    for early, then in zip(path(Planted(), 12.0, 0), path(late, 12.0, 0), strict=True):
+        stamp, pose, odometry = early if early[0] < 8.1 else then
+        check.observe(stamp, pose, odometry, COVARIANCE)
+        told.append((stamp, check.errors.value("late"), check.errors.sd("late")))
+    before = [abs(value) for stamp, value, _ in told if stamp < 8.1]
+    after = [(value, sd) for stamp, value, sd in told if stamp > 8.2]
+    assert max(before) < 0.02
+    assert all(abs(value - 0.09) < 3.29 * sd for value, sd in after)
+    assert after[0][0] == pytest.approx(0.09, abs=0.02)
+
+
+def test_wheels_that_slip_move_no_lateness_at_once() -> None:
+    check = OdometryCheck()
+    for stamp, pose, odometry in path(Planted(), 12.0, 1, slip=0.25):
+        before = check.errors.value("late")
+        check.observe(stamp, pose, odometry, COVARIANCE)
+        assert abs(check.errors.value("late") - before) < 0.01
+
+
 def test_gaps_in_the_pictures_are_bridged_unless_they_are_long() -> None:
     steps = []
     for gap in (0.0, 0.8, 3.0):
