@@ -207,5 +207,5 @@ class OdometryCheck:
         return left
 
 
-def _alike(one: Twist2, other: Twist2) -> bool:
-    return abs(one.v - other.v) < CHANGE_V and abs(one.omega - other.omega) < CHANGE_OMEGA
+def _alike(twist: Twist2, other: Twist2) -> bool:
+    return abs(twist.v - other.v) < CHANGE_V and abs(twist.omega - other.omega) < CHANGE_OMEGA

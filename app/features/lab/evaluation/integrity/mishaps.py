@@ -183,7 +183,7 @@ def laid_by_hand(field: Field, rng: np.random.Generator) -> Field:
     height, width = field.floor.image.shape
     cell = LAID_CELL / field.floor.resolution
     coarse = (math.ceil(height / cell) + 1, math.ceil(width / cell) + 1)
-    off = [
+    shifts = [
         cv2.resize(
             rng.normal(0, LAID_SD / field.floor.resolution, coarse).astype(np.float32),
             (width, height),
@@ -194,7 +194,7 @@ def laid_by_hand(field: Field, rng: np.random.Generator) -> Field:
     rows, columns = np.mgrid[:height, :width].astype(np.float32)
     border = field.floor.border
     image = cv2.remap(
-        field.floor.image, columns + off[0], rows + off[1], cv2.INTER_LINEAR,
+        field.floor.image, columns + shifts[0], rows + shifts[1], cv2.INTER_LINEAR,
         borderMode=cv2.BORDER_CONSTANT, borderValue=(border,),
     )  # fmt: skip
     return _painted(field, np.asarray(image, dtype=np.uint8))
@@ -245,8 +245,8 @@ def _moved_piece(field: Field, aside: float | None) -> NDArray[np.uint8]:
         matrix = np.array([[1, 0, shift[0]], [0, 1, shift[1]]])
         size = (image.shape[1], image.shape[0])
         moved = cv2.warpAffine(floor.image, matrix, size, borderValue=(floor.border,))
-        there = cv2.warpAffine(inside, matrix, size)
-        image = np.where(there > 0, moved, image)
+        covered = cv2.warpAffine(inside, matrix, size)
+        image = np.where(covered > 0, moved, image)
     return np.asarray(image, dtype=np.uint8)
 
 
@@ -276,11 +276,11 @@ class LineCourse:
     def command(self, stamp: float) -> DriveCommand:
         """Return what is commanded at a stamp [s]."""
         parts = (self.way / self.speed, REST, math.pi / TURNING, REST)
-        into = stamp % sum(parts)
+        since_turn = stamp % sum(parts)
         v, omega = 0.0, 0.0
-        if into < parts[0]:
+        if since_turn < parts[0]:
             v = self.speed
-        elif parts[0] + parts[1] <= into < sum(parts[:3]):
+        elif parts[0] + parts[1] <= since_turn < sum(parts[:3]):
             omega = TURNING
         return DriveCommand(type="drive", v=v, omega=omega)
 
