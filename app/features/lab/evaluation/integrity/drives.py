@@ -157,7 +157,7 @@ class _Path:
         self._course = course_on(field, config)
         self._mishap = mishap
         for_mishap = np.random.default_rng([config.seed, MISHAP])
-        self.line = LineCourse.on(field, for_mishap) if mishap.along_line else None
+        self.line = LineCourse.beside_tape(field, for_mishap) if mishap.along_line else None
         self._floor = mishap.floor(field, for_mishap) if mishap.floor else None
         self._disturb = partial(mishap.robot, rng=for_mishap) if mishap.robot else None
         self._config = replace(config, figure_eight=self._course.eight)

@@ -262,7 +262,7 @@ class LineCourse:
     """[m/s]"""
 
     @classmethod
-    def on(cls, field: Field, rng: np.random.Generator) -> LineCourse:
+    def beside_tape(cls, field: Field, rng: np.random.Generator) -> LineCourse:
         """Return the course on a field, at a speed that is drawn."""
         start, end = longest_edge(field)
         length = float(np.hypot(*(end - start)))

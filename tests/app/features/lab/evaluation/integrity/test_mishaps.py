@@ -131,7 +131,7 @@ def test_tape_that_is_laid_by_hand_is_off_by_a_centimetre():
 
 
 def test_a_line_is_driven_to_and_fro_beside_the_tape():
-    course = LineCourse.on(load_field("square", MAPS), np.random.default_rng(1))
+    course = LineCourse.beside_tape(load_field("square", MAPS), np.random.default_rng(1))
     stamps = np.arange(0, 60, 0.02)
     commands = [course.command(float(stamp)) for stamp in stamps]
     assert {command.v for command in commands} == {0.0, course.speed}
