@@ -142,7 +142,7 @@ def test_a_floor_laid_out_two_percent_too_large_is_within_the_bound(name: str, s
 
 
 def test_pictures_that_come_late_for_some_seconds_are_told_and_bounded() -> None:
-    """The lateness that was known by then hardly moved: of twelve robots 13 % misled, for up to 6 s."""
+    """The lateness known by then hardly moved: of such pictures 13 % misled, for up to 6 s."""
     claims = claims_of("stub", "late-for-a-while", "known", 12000, 0.7, engine="mujoco")
     assert misleading(claims).mean() < 0.005
     late = [
