@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from functools import partial
 
 import cv2
 import numpy as np
@@ -159,7 +158,8 @@ class _Path:
         for_mishap = np.random.default_rng([config.seed, MISHAP])
         self.line = LineCourse.beside_tape(field, for_mishap) if mishap.along_line else None
         self._floor = mishap.floor(field, for_mishap) if mishap.floor else None
-        self._disturb = partial(mishap.robot, rng=for_mishap) if mishap.robot else None
+        make = mishap.robot
+        self._disturb = (lambda robot: make(robot, for_mishap)) if make else None
         self._config = replace(config, figure_eight=self._course.eight)
         self.lap = self._course.eight.lap
         """Duration of a lap [s]."""
