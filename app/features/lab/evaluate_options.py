@@ -34,6 +34,12 @@ NAVIGATION = (
     "workers", "cluster",
 )  # fmt: skip
 """Options valid with navigation; ``out`` is valid, too."""
+MISHAPS = (
+    "straight", "stuck", "pushed-along", "late-for-a-while", "late-by-turns", "enlarged", "shrunk",
+    "hand-laid", "piece-elsewhere", "piece-missing", "own-shadow", "light-wood", "dark-wood",
+    "light-lino", "dark-lino", "light-carpet", "dark-carpet", "light-concrete", "dark-concrete",
+)  # fmt: skip
+"""Conditions of integrity that are more than settings, or of floors that nothing else needs."""
 OWN_OPTIONS = {"integrity": INTEGRITY, "navigation": NAVIGATION}
 """Options of what has only its own."""
 KINDS = {
@@ -85,7 +91,7 @@ def _add_out(command: argparse.ArgumentParser) -> None:
     )
 
 
-def _add_robots(command: argparse.ArgumentParser, fields: str) -> None:
+def _add_robots(command: argparse.ArgumentParser, fields: str, more: str = "") -> None:
     """Add the options of robots x fields x conditions; ``fields`` are those of the default."""
     several: dict[str, Any] = {"nargs": "+", "action": "extend"}
     command.add_argument(
@@ -96,7 +102,7 @@ def _add_robots(command: argparse.ArgumentParser, fields: str) -> None:
     )
     command.add_argument(
         "--condition", metavar="NAME", **several,
-        help=f"which (default: default): {condition_names()}",
+        help=f"which (default: default): {condition_names()}{more}",
     )  # fmt: skip
     command.add_argument(
         "--first-seed", type=int, metavar="N", help="seed of the first robot (default: 0)"
@@ -112,14 +118,14 @@ def _add_robots(command: argparse.ArgumentParser, fields: str) -> None:
 
 def _add_integrity(command: argparse.ArgumentParser) -> None:
     """Add the options of integrity: robots x fields x conditions x starts."""
-    _add_robots(command, "square stub town")
+    _add_robots(command, "square stub town", f", {', '.join(MISHAPS)}")
     command.add_argument(
         "--start",
         metavar="START",
         nargs="+",
         action="extend",
-        help="what is known of the pose (default: all): known, told-wrong, scattered, carried, "
-        "known-carried, moved",
+        help="what is known of the pose (default: all): known, told-wrong, told-quarter, "
+        "scattered, carried, known-carried, moved",
     )
     command.add_argument(
         "--laps", type=int, metavar="N",

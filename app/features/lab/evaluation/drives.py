@@ -10,15 +10,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from app.engine.build import build_program
+from app.engine.build import Streams, build_program
 from app.engine.engine import Engine
 from app.engine.localization import Localization
 from app.engine.problems import Problems
-from app.engine.robots import robot_kind, robot_spec
+from app.engine.robots import build_robot, resolve_robot, robot_kind, robot_spec
 from app.engine.snapshot import Snapshot
 from app.features.lab.replay_robot import ReplayRobot
 from app.messages.commands import PauseCommand
-from app.messages.driving_commands import FigureEightCommand, StopCommand
+from app.messages.driving_commands import DriveCommand, FigureEightCommand, StopCommand
 from app.settings.config import AUTO, MAPS, Config
 from app.settings.groups import StartPoseSettings
 from robot.description.spec import RobotSpec
@@ -27,10 +27,11 @@ from robot.errors import BrickPoseError
 from robot.fields.field import Field
 from robot.fields.field_loading import load_field
 from robot.geometry import Pose2, Twist2, interpolate
-from robot.interface import Frame, Reading, RepositionableRobot
+from robot.interface import Frame, Reading, RepositionableRobot, Robot
 from robot.localization.models.entry_field import EntryField
 from robot.scan import Scan
 from robot.scanning.line_scanner import LineScan, LineScanner, LineScannerSettings
+from sim.simulated import no_wait
 
 NO_PICTURE = np.zeros((1, 1), np.uint8)
 """Replaces a picture that was already searched for tape."""
@@ -125,8 +126,11 @@ def record(
     elapsed: float = 0.0,
     kidnap: Kidnap | None = None,
     scanner: LineScanner | None = None,
+    disturb: Callable[[Robot], Robot] | None = None,
+    floor: Field | None = None,
+    command: Callable[[float], DriveCommand] | None = None,
 ) -> Drive:
-    """Drive the figure-eight and keep readings and scans, with the filter paused.
+    """Drive the figure-eight or another way; keep readings and scans, with the filter paused.
 
     Args:
         config: robot, map, seed and figure-eight.
@@ -134,6 +138,9 @@ def record(
         start: start pose in the map; by default that of the field.
         elapsed: time on the figure-eight at the start [s].
         kidnap: when the robot is carried off, and where to.
+        disturb: makes the robot that drives, of the one that the configuration names.
+        floor: the field as it truly is; by default as it is drawn.
+        command: what is commanded at a stamp [s], instead of the figure-eight.
     """
     field = load_field(config.map, MAPS)
     if start is not None:
@@ -141,17 +148,22 @@ def record(
     config = replace(config, figure_eight=replace(config.figure_eight, phase=elapsed))
     # Models are used only when the drive is followed; here a broken one would stop the robot.
     config = replace(config, sensor_model="", motion_model="", models="")
-    program = build_program(for_lab(simulated(config)), field=field, scanner=scanner)
+    config, _ = resolve_robot(for_lab(simulated(config)))
+    made = _robot(config, floor or field, field.start, disturb)
+    program = build_program(config, robot=made, field=field, scanner=scanner)
     engine, robot = silent(program.engine), program.robot
     engine.commands.put(PauseCommand(type="pause"))
     ticks: list[Tick] = []
     try:
         while not ticks or ticks[-1].stamp < seconds:
             stands = kidnap is not None and kidnap.stands(ticks[-1].stamp if ticks else 0.0)
-            engine.commands.put(
-                StopCommand(type="stop") if stands else FigureEightCommand(type="figure_eight")
-            )
             before = ticks[-1].stamp if ticks else -math.inf
+            if stands:
+                engine.commands.put(StopCommand(type="stop"))
+            elif command is None:
+                engine.commands.put(FigureEightCommand(type="figure_eight"))
+            else:
+                engine.commands.put(command(max(before, 0.0)))
             ticks.append(_tick(engine.step()))
             if kidnap is not None and before < kidnap.stamp <= ticks[-1].stamp:
                 assert isinstance(robot, RepositionableRobot)
@@ -159,6 +171,15 @@ def record(
     finally:
         robot.close()
     return Drive(field, ticks)
+
+
+def _robot(
+    config: Config, floor: Field, start: Pose2, disturb: Callable[[Robot], Robot] | None
+) -> Robot:
+    """Return the configuration's robot on a floor that may be another than the drawing."""
+    rng = Streams.of(config.seed).robot
+    robot = build_robot(config, robot_spec(config), replace(floor, start=start), rng, no_wait)
+    return robot if disturb is None else disturb(robot)
 
 
 def simulated(config: Config) -> Config:

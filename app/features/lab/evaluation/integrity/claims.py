@@ -21,10 +21,13 @@ from robot.geometry import Array, Pose2, wrap_angle
 from robot.localization.estimate import Cause, Integrity, State
 from robot.localization.models.entry_field import EntryField
 
-STARTS = ("known", "told-wrong", "scattered", "carried", "known-carried", "moved")
+STARTS = (
+    "known", "told-wrong", "told-quarter", "scattered", "carried", "known-carried", "moved",
+)  # fmt: skip
 """What the filter knows at the start: the true pose, give or take 1 cm and 0.03 rad; a pose that
-is 0.14 m and 0.3 rad off; nothing; nothing or the true pose, with the robot carried off later while
-it drives; and the true pose, with the robot moved a little while it stands."""
+is 0.14 m and 0.3 rad off; one that is turned by a quarter about the tape's middle; nothing; nothing
+or the true pose, with the robot carried off later while it drives; and the true pose, with the
+robot moved a little while it stands."""
 
 TOLD = 8
 """Number of the random stream, beside the seed, that the error of a known start is drawn from."""
@@ -143,6 +146,17 @@ def _tell_wrong(localization: Localization, drive: Drive, _config: Config) -> No
     localization.set_pose(_beside(drive.ticks[0].truth, np.array(OFFSET)), None, None)
 
 
+def _tell_quarter(localization: Localization, drive: Drive, _config: Config) -> None:
+    localization.set_pose(quarter_off(drive.ticks[0].truth, drive.field), None, None)
+
+
+def quarter_off(pose: Pose2, field: Field) -> Pose2:
+    """Return a pose turned by a quarter about the middle of the tape."""
+    xmin, ymin, xmax, ymax = field.drive_area
+    middle = Pose2((xmin + xmax) / 2, (ymin + ymax) / 2)
+    return middle @ Pose2(theta=math.pi / 2) @ middle.inverse() @ pose
+
+
 def _tell_nothing(localization: Localization, _drive: Drive, _config: Config) -> None:
     localization.scatter()
 
@@ -150,6 +164,7 @@ def _tell_nothing(localization: Localization, _drive: Drive, _config: Config) ->
 _STARTERS: dict[str, Callable[[Localization, Drive, Config], None]] = {
     "known": _tell_known,
     "told-wrong": _tell_wrong,
+    "told-quarter": _tell_quarter,
     "scattered": _tell_nothing,
     "carried": _tell_nothing,
     "known-carried": _tell_known,

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from app.engine.robots import robot_kind
 from app.features.lab.evaluation.drives import Drive, Kidnap, random_pose_on_eight, record
+from app.features.lab.evaluation.integrity.mishaps import MISHAP, LineCourse, Mishap
 from app.settings.config import MAPS, Config
 from robot.driving.figure_eight import FigureEight
 from robot.fields.field import Field
@@ -44,6 +45,9 @@ CARRY_STAMP, CARRY_SECONDS = 11.0, 17.0
 """Stamp at which a robot is carried off, and duration of that drive [s]."""
 PATH = 7
 """Number of the random stream, beside the seed, that the path is drawn from."""
+LINE_SECONDS = 24.0
+"""Duration of a drive along a line [s]."""
+NONE = Mishap()
 MOVED_SECONDS = 21.0
 """Duration of a drive in which the robot is moved while it stands [s]."""
 MOVE = (0.05, 0.35)
@@ -147,8 +151,15 @@ class TrialDrive:
 class _Path:
     """The path of a seed: the figure-eight that fits the field, begun at a random pose on it."""
 
-    def __init__(self, config: Config) -> None:
-        self._course = course_on(load_field(config.map, MAPS), config)
+    def __init__(self, config: Config, mishap: Mishap) -> None:
+        field = load_field(config.map, MAPS)
+        self._course = course_on(field, config)
+        self._mishap = mishap
+        for_mishap = np.random.default_rng([config.seed, MISHAP])
+        self.line = LineCourse.beside_tape(field, for_mishap) if mishap.along_line else None
+        self._floor = mishap.floor(field, for_mishap) if mishap.floor else None
+        make = mishap.robot
+        self._disturb = (lambda robot: make(robot, for_mishap)) if make else None
         self._config = replace(config, figure_eight=self._course.eight)
         self.lap = self._course.eight.lap
         """Duration of a lap [s]."""
@@ -162,32 +173,42 @@ class _Path:
 
     def drive(self, seconds: float, kidnap: Kidnap | None = None) -> TrialDrive:
         """Drive for some time [s]."""
-        begin, elapsed = self._start, self._elapsed
-        drive = record(self._config, seconds, start=begin, elapsed=elapsed, kidnap=kidnap)
+        line = self.line
+        drive = record(
+            self._config,
+            seconds,
+            start=line.start if line else self._start,
+            elapsed=self._elapsed,
+            kidnap=kidnap,
+            disturb=self._disturb,
+            floor=self._floor,
+            command=line.command if line else None,
+        )
         return TrialDrive(drive, None if kidnap is None else kidnap.stamp)
 
 
-def lap_drive(config: Config, laps: float = 1.0) -> TrialDrive:
+def lap_drive(config: Config, laps: float = 1.0, mishap: Mishap = NONE) -> TrialDrive:
     """Drive the figure-eight that fits the field, from a random pose on it.
 
     Args:
         config: robot, map, seed and condition; the radius of its figure-eight is not used.
-        laps: how many laps to drive.
+        laps: how many laps to drive; a drive along a line takes 24 s for each.
+        mishap: what befalls the robot.
     """
-    path = _Path(config)
-    return path.drive(laps * path.lap)
+    path = _Path(config, mishap)
+    return path.drive(laps * (LINE_SECONDS if path.line else path.lap))
 
 
-def carried_drive(config: Config) -> TrialDrive:
+def carried_drive(config: Config, mishap: Mishap = NONE) -> TrialDrive:
     """Drive for 17 s; at 11 s the robot is carried off, unseen, to another path of the field."""
-    path = _Path(config)
+    path = _Path(config, mishap)
     elsewhere = path.pose_after(CARRY_STAMP)
     return path.drive(CARRY_SECONDS, Kidnap(CARRY_STAMP, lambda _: elsewhere))
 
 
-def moved_drive(config: Config) -> TrialDrive:
+def moved_drive(config: Config, mishap: Mishap = NONE) -> TrialDrive:
     """Drive for 21 s; it stands from 9.5 to 13 s, and at 11 s it is moved a little, unseen."""
-    path = _Path(config)
+    path = _Path(config, mishap)
     rng = path.rng
     way, bearing = rng.uniform(*MOVE), rng.uniform(-math.pi, math.pi)
     turn = rng.uniform(-math.pi, math.pi) if rng.random() < 0.5 else rng.normal(0, TURN_SD)

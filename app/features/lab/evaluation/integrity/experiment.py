@@ -18,16 +18,20 @@ from app.features.lab.evaluation.integrity.drives import (
     moved_drive,
 )
 from app.features.lab.evaluation.integrity.measures import measures
+from app.features.lab.evaluation.integrity.mishaps import (
+    Mishap,
+    apply_any_condition,
+    mishap_of,
+)
 from app.features.lab.evaluation.integrity.oracle import decided_stamp, decision_measures
 from app.features.lab.evaluation.integrity.summary import Stanford, counted
 from app.features.lab.workers import Workers
-from app.settings.conditions import apply_condition, require_condition
 from app.settings.config import MAPS, Config
 from robot.fields.field_loading import load_field
 from robot.settings import SettingError
 from sim.engines import engine_version
 
-KIDNAPPED: dict[str, Callable[[Config], TrialDrive]] = {
+KIDNAPPED: dict[str, Callable[[Config, Mishap], TrialDrive]] = {
     "carried": carried_drive,
     "known-carried": carried_drive,
     "moved": moved_drive,
@@ -49,7 +53,7 @@ class IntegrityExperiment:
 
     def __post_init__(self) -> None:
         for name in self.conditions:
-            require_condition(name)
+            apply_any_condition(self.config, name)
         for name in self.starts:
             if name not in STARTS:
                 raise SettingError(f"no start {name!r}; valid are {', '.join(STARTS)}")
@@ -89,7 +93,9 @@ class IntegrityExperiment:
 
     def _config(self, name: str, condition: str, seed: int) -> Config:
         robot = robot_kind(self.config).name
-        return apply_condition(replace(self.config, robot=robot, map=name, seed=seed), condition)
+        return apply_any_condition(
+            replace(self.config, robot=robot, map=name, seed=seed), condition
+        )
 
 
 @dataclass(frozen=True)
@@ -114,8 +120,8 @@ class IntegrityRun:
 
 def do_job(job: IntegrityJob) -> list[IntegrityRun]:
     """Drive once and follow from each start; equal jobs have exactly equal outcomes."""
-    make = KIDNAPPED.get(job.starts[0])
-    trial = lap_drive(job.config, job.laps) if make is None else make(job.config)
+    make, mishap = KIDNAPPED.get(job.starts[0]), mishap_of(job.condition)
+    trial = make(job.config, mishap) if make else lap_drive(job.config, job.laps, mishap)
     return [_run(job, trial, start) for start in job.starts]
 
 

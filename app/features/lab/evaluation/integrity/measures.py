@@ -63,6 +63,7 @@ def measures(claims: Claims) -> Measures:
         "right": _share(is_right),
         "sure": _share(certain(claims)),
         "misleading": _share(wrong_claim),
+        "misleading_of_certain": _mean(outside(claims)[certain(claims)]),
         "misleading_longest_s": longest(claims.stamps, wrong_claim),
         "sure_wrong": _share(certain(claims) & ~is_right),
         "sure_wrong_longest_s": longest(claims.stamps, certain(claims) & ~is_right),

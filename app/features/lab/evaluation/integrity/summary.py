@@ -19,6 +19,7 @@ PLACE_BINS: Array = np.geomspace(1e-4, 10.0, 61)
 HEADING_BINS: Array = np.geomspace(1e-4, 3.2, 61)
 """Bin borders of heading errors and of heading bounds [rad]."""
 Row = dict[str, Any]
+OTHER_FLOORS = ("enlarged", "shrunk", "hand-laid", "piece-elsewhere", "piece-missing")
 EXPECTED: dict[str, tuple[Cause, ...]] = {
     "askew": (Cause.CAMERA_ASKEW,),
     **{f"bumped-{axis}": (Cause.CAMERA_ASKEW,) for axis in ("roll", "pitch", "yaw")},
@@ -26,6 +27,11 @@ EXPECTED: dict[str, tuple[Cause, ...]] = {
     "worn": (Cause.WHEEL_SIZE,),
     "slippery": (Cause.WHEEL_SLIP,),
     "stretched": (Cause.MAP,),
+    **dict.fromkeys(OTHER_FLOORS, (Cause.MAP,)),
+    "stuck": (Cause.WHEEL_SLIP,),
+    "pushed-along": (Cause.WHEEL_SLIP,),
+    "late-for-a-while": (Cause.PICTURES_LATE,),
+    "late-by-turns": (Cause.PICTURES_LATE,),
     "all-at-once": (
         Cause.CAMERA_ASKEW, Cause.PICTURES_LATE, Cause.WHEEL_SLIP, Cause.WHEEL_SIZE,
     ),
@@ -147,6 +153,9 @@ def group_summary(rows: Sequence[Row]) -> Row:
     later = [row["misleading_later_longest_s"] for row in rows if "misleading_later" in row]
     if later:
         result["misleading_later_longest_s"] = max(later)
+    when_sure = weights * np.array([row["sure"] for row in rows])
+    wrong_of_sure = [row["misleading_of_certain"] for row in rows]
+    result["misleading_of_certain"] = _weighted(wrong_of_sure, when_sure)
     while_right = weights * np.array([row["right"] for row in rows])
     if while_right.any():
         sure = [row["sure_while_right"] for row in rows]
