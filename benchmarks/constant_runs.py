@@ -31,7 +31,6 @@ TRIALS = {
     "robot.localization.grid.": "benchmarks.constant_filters",
     "robot.localization.kalman_filter": "benchmarks.constant_filters",
     "robot.mapping.": "benchmarks.constant_maps",
-    "robot.mapping.exploring": "benchmarks.constant_routes",
     "robot.mapping.graph.": "benchmarks.constant_lasers",
     "robot.mapping.grid.": "benchmarks.constant_lasers",
     "robot.scanning.": "benchmarks.constant_scans",

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 
 from app.features.lab.evaluation.drives import NO_PICTURE
 from app.features.lab.evaluation.integrity.claims import Claims, claims_csv, follow_claims
-from app.features.lab.evaluation.integrity.drives import TrialDrive
+from app.features.lab.evaluation.integrity.drives import NONE, TrialDrive
 from app.features.lab.evaluation.integrity.experiment import KIDNAPPED
 from app.features.lab.evaluation.integrity.measures import (
     FIRST,
@@ -58,7 +58,7 @@ def recorded(kept: Path | None) -> list[ConstantTrial]:
         for seed in SEEDS:
             config = apply_condition(Config(robot="sim", map=MAP, seed=seed), condition)
             trials += [
-                ConstantTrial(config, condition, start, without_pictures(make(config)))
+                ConstantTrial(config, condition, start, without_pictures(make(config, NONE)))
                 for start, make in KIDNAPPED.items()
             ]
     if kept is not None:
