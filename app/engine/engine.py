@@ -149,7 +149,8 @@ class Engine(ControlLoop):
                     break
                 tick = self._next()
                 stamp = tick[0].stamp
-                if self._is_wanted(pictured=tick[0].frame is not None):
+                # Of the last tick, too: it says where the robot was left.
+                if self._is_wanted(pictured=tick[0].frame is not None) or stop.is_set():
                     self.publish(self._snapshot(*tick))
                 began = began if count else (time.monotonic(), stamp)
                 self._check_pace(*began, stamp)

@@ -9,6 +9,6 @@ FEATURE = Feature(
         SettingOption("start_pose.restore_pose"),
         SettingOption("start_pose.pose_file", metavar="FILE"),
     ),
-    starts=(Late("app.features.kept_pose.keeping:kept_start"),),
+    starts=(Late("app.features.kept_pose.beginning:kept_start"),),
     outlet=Late("app.features.kept_pose.keeping:PoseKeeper"),
 )

@@ -1,4 +1,4 @@
-"""Saves the robot's pose in a file, and starts the next run from it."""
+"""Saves the robot's pose in a file, for the next start."""
 
 from __future__ import annotations
 
@@ -7,15 +7,12 @@ from collections.abc import Iterable
 
 from app.engine.problems import LOG
 from app.engine.snapshot import Snapshot
-from app.engine.start import Start
-from app.features.kept_pose.pose_file import PoseFileError, SavedPose, pose_path, read, write
+from app.features.kept_pose.pose_file import SavedPose, pose_path, write
 from app.languages.marking import phrase
 from app.messages.telemetry import HypothesisMessage, PoseMessage
 from app.page.outlets import Outlet, Outlets
-from app.settings.config import Config
 from robot.covariance import by_rows
 from robot.fields.field import Field
-from robot.geometry import Pose2
 from robot.worker_thread import WorkerThread
 
 JOIN_S = 5.0
@@ -71,19 +68,6 @@ class PoseKeeper(Outlet):
     def _follow(self, stopping: threading.Event) -> None:
         while not stopping.wait(1 / self._rate):
             self.save()
-
-
-def kept_start(config: Config, field: Field) -> Start | None:
-    """Return where the last run on this field ended, if the settings ask for it."""
-    if not config.start_pose.restore_pose:
-        return None
-    try:
-        saved = read(pose_path(config, field), field)
-    except PoseFileError as error:
-        return Start(complaint=phrase(f"The saved pose is not used: {error}."))
-    if saved.truth is None:
-        return Start(saved.believed())
-    return Start(saved.believed(), Pose2(saved.truth.x, saved.truth.y, saved.truth.theta))
 
 
 def saved_pose(snapshot: Snapshot, field: Field) -> SavedPose | None:

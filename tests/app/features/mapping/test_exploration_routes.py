@@ -19,7 +19,7 @@ def test_a_route_is_told_in_the_frame_of_odometry_wherever_that_began_in_the_map
     for elapsed in (0.0, 0.5 * LATEST_S, LATEST_S):
         assert program.engine.commands.take() == ()
         stands = replace(tick, stamp=tick.stamp + elapsed)
-        exploration.follow(stands, None, map_from_odom=Pose2(0.3, -0.2, 1.1))
+        exploration.follow(stands, None, Pose2(0.3, -0.2, 1.1), None)
     (command,) = program.engine.commands.take()
     assert isinstance(command, RouteCommand)
     goal = (command.x, command.y, command.theta)
