@@ -63,7 +63,7 @@ test: .venv/installed-dev browser node-peers dds-peer ## run the tests that a ch
 # pytest names it: a busy machine may keep a browser waiting for a minute. A fault fails twice.
 test-rest: .venv/installed-dev browser node-peers dds-peer ## run those that make test leaves out, for three quarters of an hour
 	$(BIN)/python -m app.tools.warm_up
-	$(TEST_BESIDE) -n 2 -m "slow and not real_time" || { [ $$? = 1 ] && $(TEST_AGAIN) -m "slow and not real_time"; }
+	$(TEST_BESIDE) -n 3 -m "slow and not real_time" || { [ $$? = 1 ] && $(TEST_AGAIN) -m "slow and not real_time"; }
 	$(BIN)/python -m pytest -m real_time $$(grep -rl --include='test_*.py' mark.real_time tests) || \
 	{ [ $$? = 1 ] && $(TEST_AGAIN) -m real_time; }
 

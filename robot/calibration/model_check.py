@@ -11,14 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from robot.calibration.adjustment import (
-    UNSETTLED,
-    Adjustment,
-    CalibrationError,
-    Solution,
-    Weights,
-    residual_sd,
-)
+from robot.calibration.adjustment import Adjustment, Solution, Weights, residual_sd
 from robot.calibration.misses import Misses
 from robot.camera import Lens
 from robot.description.unknowns import TAPE
@@ -55,9 +48,6 @@ def remarks(
         weights: ... with these.
         taped: the field as drawn, of tape.
         lens: as described.
-
-    Raises:
-        CalibrationError: a piece of tape would lie beside the field: what was found fits nothing.
     """
     seen = solution.misses
     strokes = strokes_of(taped)
@@ -102,9 +92,6 @@ def _of_strokes(offsets: Array, sd: Array, strokes: list[NDArray[np.int64]], tap
         )
         for place in guilty[np.argsort(-sure[guilty])]
     ]
-    left, bottom, right, top = taped.extent
-    if np.abs(offsets[guilty]).max() > max(right - left, top - bottom):
-        raise CalibrationError(UNSETTLED)
     distance = 1e3 * np.abs(offsets[guilty]).mean()
     return (
         f"the tape around {' or '.join(places)} m lies {distance:.1f} mm beside its drawing: "

@@ -169,14 +169,18 @@ class Equations:
         own, by_robot = by_pictures.reshape(size, others), tied[:, 3:].sum(axis=0)
         shared = self._shared.reshape(size, self._unknowns)
         factor = self._factor(), True
-        solved = cho_solve_banded(factor, np.column_stack([shared, own]), check_finite=False)
+        right = self._right.reshape(size)
+        columns = np.column_stack([shared, own, right])
+        solved = cho_solve_banded(factor, columns, check_finite=False)
         schur = self._robot - shared.T @ solved[:, : self._unknowns]
-        by_robot = by_robot - shared.T @ solved[:, self._unknowns :]
-        known = np.einsum("ij,ij->j", own, solved[:, self._unknowns :])
-        known += np.einsum("ij,ij->j", by_robot, np.linalg.solve(schur, by_robot))
+        by_robot = by_robot - shared.T @ solved[:, self._unknowns : -1]
+        robot = np.linalg.solve(schur, by_robot)
+        known = np.einsum("ij,ij->j", own, solved[:, self._unknowns : -1])
+        known += np.einsum("ij,ij->j", by_robot, robot)
         information = np.square(weighted).sum(axis=0) - known
-        # At the solution the misses are as small as they get: they pull at the others only.
         pulls = -weighted.T @ (self._root[:, 0] * seen.residuals)
+        # The solution is never quite reached: what all others would still give way is no pull.
+        pulls -= own.T @ solved[:, -1] + robot.T @ (self._robot_right - shared.T @ solved[:, -1])
         # Of one that no edge tells, nothing is said.
         information = np.maximum(information, LEAST_INFORMATION)
         return pulls / information, 1 / np.sqrt(information)

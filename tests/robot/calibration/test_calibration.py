@@ -153,12 +153,11 @@ def test_a_drive_that_does_not_tell_where_it_began_says_so() -> None:
     assert any("the drive fits as well if it began at" in remark for remark in found.remarks)
 
 
-@pytest.mark.parametrize("pictures", [60, 100])
-def test_a_drive_on_another_field_is_refused(pictures: int) -> None:
+def test_a_drive_on_another_field_is_refused() -> None:
     log, _, _ = driven(HAND_BUILT, SEED, 40.0)
     other = load_field("generated-6301", MAPS)
     with pytest.raises(CalibrationError, match="this is another field"):
-        calibrate(log.until(pictures), SPEC, other, Pose2(), START_COVARIANCE)
+        calibrate(log.until(100), SPEC, other, Pose2(), START_COVARIANCE)
 
 
 def test_tape_tells_how_the_camera_looks_down() -> None:
@@ -194,6 +193,8 @@ def test_what_a_short_drive_does_not_tell_is_said() -> None:
     assert errors.max() < 4.0
     assert {"left_radius", "right_radius"} & set(calibration.not_learnt)
     assert "camera_pitch" not in calibration.not_learnt
+    # What hardly any edge tells was said all the same: a stroke 6 m beside its drawing.
+    assert calibration.remarks == ()
 
 
 def test_the_start_may_be_told_wrong_by_centimetres_and_degrees() -> None:
