@@ -144,7 +144,7 @@ def test_a_robot_that_believes_in_another_field_does_not_fit(stub_lap):
     ("wrong", "message"),
     [
         ({"conditions": ("wet",)}, "no condition 'wet'; valid are default, noisy"),
-        ({"starts": ("blind",)}, "no start 'blind'; valid are known, told-wrong, told-quarter, scattered"),
+        ({"starts": ("blind",)}, "no start 'blind'; valid are known, told-wrong, told-quarter"),
         ({"seeds": 0}, "seeds is 0; valid is 1 or more"),
         ({"first_seed": -1}, "first seed is -1"),
         ({"maps": ("square", str(MAPS / "square.svg"))}, "two maps have one name"),
