@@ -9,6 +9,7 @@ from app.engine.build import build_program
 from app.features.lab.evaluation.integrity.claims import Claims, follow_claims
 from app.features.lab.evaluation.integrity.drives import carried_drive, lap_drive
 from app.features.lab.evaluation.integrity.measures import longest, misleading, right
+from app.features.lab.evaluation.integrity.mishaps import apply_any_condition, mishap_of
 from app.messages.driving_commands import FigureEightCommand
 from app.settings.conditions import apply_condition
 from app.settings.config import Config
@@ -114,6 +115,24 @@ def test_a_robot_that_knew_its_place_doubts_it_when_it_is_carried_to_another(nam
     claims = claims_of(name, "default", "known-carried", 9002, engine="mujoco")
     assert not misleading(claims).any()
     assert right(claims)[claims.stamps > 15.5].all()
+
+
+@pytest.mark.parametrize(("name", "seed"), [("square", 301), ("town", 308)])
+def test_a_turn_that_no_wheels_make_contradicts_odometry(name: str, seed: int) -> None:
+    """It was put 2 degrees beside a place that looks alike, and certain there for up to 2.6 s."""
+    claims = claims_of(name, "default", "known-carried", seed, engine="mujoco")
+    assert not misleading(claims).any()
+
+
+def test_pictures_that_come_late_all_at_once_raise_doubt() -> None:
+    """A pose that was 90 ms old was claimed for 4 s: 26 % of the pictures misled."""
+    require_engine("mujoco")
+    config = apply_any_condition(
+        Config(robot="sim", map="stub", seed=60, sim=SimSettings(engine="mujoco")),
+        "late-for-a-while",
+    )
+    claims = follow_claims(lap_drive(config, 1, mishap_of("late-for-a-while")), config, "known")
+    assert longest(claims.stamps, misleading(claims)) < 0.1
 
 
 def test_a_robot_with_worn_wheels_is_right_to_the_end() -> None:
