@@ -46,7 +46,7 @@ class Diagnosis:
     cause: str
     measured: Measured
     certain: bool = True
-    """Whether it explains all failed cases; else only some of them."""
+    """Whether it explains all failed cases, and nothing else looks alike."""
     note: Words | None = None
     """What shows the cause, if the features do not."""
 
@@ -68,22 +68,32 @@ def diagnose(checks: Checks, measured: Sequence[Measured]) -> list[Diagnosis]:
         (sign, by_outcome[id(sign.outcome)])
         for sign in checks.signs([item.outcome for item in measured])
     ]
-    named = [Diagnosis(sign.cause, item, note=sign.note) for sign, item in signs if sign.apart]
     failed = [item for item in measured if not item.passed]
-    if not failed:
-        return _by_cause(
-            [*named, *(Diagnosis(sign.cause, item, note=sign.note) for sign, item in signs)]
-        )
-    explained = list(_explained(checks, measured, failed))
+    explained = list(_explained(checks, measured, failed)) if failed else []
+    # Beside results that nothing explains yet, what shows by itself may follow from their cause.
+    alone = not failed or bool(explained)
+    named = [
+        Diagnosis(sign.cause, item, alone or not sign.weak, sign.note)
+        for sign, item in signs
+        if sign.apart
+    ]
     if not explained:
-        explained = [Diagnosis(sign.cause, item, note=sign.note) for sign, item in signs]
+        explained = [
+            Diagnosis(sign.cause, item, not failed or not sign.weak, sign.note)
+            for sign, item in signs
+        ]
+    if not failed:
+        return _by_cause([*named, *explained])
     if not explained:
         explained = list(_partly_explained(checks, measured, failed))
     return _by_cause([*explained, *named]) or [Diagnosis(UNKNOWN, failed[0], certain=False)]
 
 
 def _by_cause(named: list[Diagnosis]) -> list[Diagnosis]:
-    return list({item.cause: item for item in reversed(named)}.values())[::-1]
+    first: dict[str, Diagnosis] = {}
+    for item in named:
+        first.setdefault(item.cause, item)
+    return list(first.values())
 
 
 def _explained(
@@ -117,7 +127,9 @@ def _named(
         for item in sorted(failed, key=lambda item: item.case.kind != mistake.kind):
             alone = checks.expected(item.case, frozenset([mistake.mistake]))
             if not agree(alone, item.expected, item.case.tolerance):
-                yield Diagnosis(mistake.cause, item)
+                # One slip in a line that explains all is likelier than two mistakes.
+                certain = not mistake.broad and len(mistakes) == 1
+                yield Diagnosis(mistake.cause, item, certain)
                 break
 
 

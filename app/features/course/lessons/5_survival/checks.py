@@ -36,7 +36,7 @@ def cases(seed: int) -> list[Case]:
     words = Words("Twice with the same generator's seed, then with others.")
     even = rng.uniform(0.5, 1.5, 40)
     arguments = (_poses(40), even / even.sum())
-    seeds = (seed + 1, seed + 1, *range(seed + 2, seed + 10))
+    seeds = tuple(seed + 1 + index // 2 for index in range(12))
     made.append(Case("resample", arguments, words, "seeds", np.inf, seeds))
     return made
 
@@ -111,6 +111,7 @@ RULES: dict[str, Callable[[Array], Array]] = {
     "equal": lambda weights: np.full(len(weights), 1 / len(weights)),
     "best": lambda weights: np.eye(len(weights))[int(weights.argmax())],
     "squares": lambda weights: weights**2 / (weights**2).sum(),
+    "inverse": lambda weights: (1 - weights) / (len(weights) - 1),
     "roots": lambda weights: np.sqrt(weights) / np.sqrt(weights).sum(),
 }
 
@@ -123,8 +124,18 @@ def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
         yield from _weights(outcome)
         if outcome.case.kind == "seeds":
             draws = [_drawn(answer, outcome.case) for answer in outcome.answers]
-            yield from generator_signs(outcome, draws)
+            chance = [] if (draws[0] == UNLIKE).any() else _chance(outcome, draws)
+            yield from chance
+            if any(sign.cause == "no-chance" for sign in chance):
+                return  # who survives without chance follows from that
     yield from _survivors(outcomes)
+
+
+def _chance(outcome: Outcome, draws: Sequence[Indices]) -> list[Sign]:
+    """Compare draws, of two each with one seed: two that are not rng's may be alike by chance."""
+    twos = [draws[index : index + 2] for index in range(0, len(draws), 2)]
+    apart = next((two for two in twos if not np.array_equal(*two)), twos[0])
+    return list(generator_signs(outcome, [*apart, *draws[::2]]))
 
 
 def _survivors(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
@@ -141,8 +152,16 @@ def _survivors(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
             yield Sign("invented", outcome)
         elif weightless and not outcome.answers[0].shared:
             wrong.append((outcome, weightless <= len(outcome.answers) or _beside(outcome, drawn)))
+    unlike = [item for item in many if not _as_weighed(item)]
+    if unlike and not wrong:
+        yield Sign("line", unlike[0], weak=True)
     if wrong:
-        yield Sign("R4" if all(near for _, near in wrong) else "line", wrong[0][0])
+        yield Sign("R4" if all(near for _, near in wrong) else "line", wrong[0][0], weak=True)
+
+
+def _as_weighed(outcome: Outcome) -> bool:
+    due = expected(outcome.case, frozenset())
+    return bool((np.abs(features(outcome) - due) <= outcome.case.tolerance).all())
 
 
 def _beside(outcome: Outcome, drawn: Indices) -> bool:
@@ -198,6 +217,7 @@ CHECKS = Checks(
         Hypothesis("best", "best-only", ALL),
         Hypothesis("squares", "weights-changed", ALL),
         Hypothesis("roots", "weights-changed", ALL),
+        Hypothesis("inverse", "weights-reversed", ALL),
     ),
     signs=signs,
     show=show,
