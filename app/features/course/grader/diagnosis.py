@@ -69,7 +69,11 @@ def diagnose(checks: Checks, measured: Sequence[Measured]) -> list[Diagnosis]:
         for sign in checks.signs([item.outcome for item in measured])
     ]
     failed = [item for item in measured if not item.passed]
-    explained = list(_explained(checks, measured, failed)) if failed else []
+    explained = list(_explained(checks, measured, failed, 1)) if failed else []
+    strong = [sign for sign, _ in signs if not (sign.weak or sign.apart)]
+    for count in range(2, MOST_MISTAKES + 1):
+        if failed and not explained and not strong:
+            explained = list(_explained(checks, measured, failed, count))
     # Beside results that nothing explains yet, what shows by itself may follow from their cause.
     alone = not failed or bool(explained)
     named = [
@@ -97,22 +101,21 @@ def _by_cause(named: list[Diagnosis]) -> list[Diagnosis]:
 
 
 def _explained(
-    checks: Checks, measured: Sequence[Measured], failed: Sequence[Measured]
+    checks: Checks, measured: Sequence[Measured], failed: Sequence[Measured], count: int
 ) -> Iterator[Diagnosis]:
-    """Find the fewest mistakes that give all the features of the student's code."""
-    for mistakes in _sets(checks.hypotheses):
+    """Find as many mistakes that give all the features of the student's code."""
+    for mistakes in _sets(checks.hypotheses, count):
         # The failed cases first: one of them already excludes most hypotheses.
         if all(_gives(checks, item, mistakes) for item in (*failed, *measured)):
             yield from _named(checks, mistakes, failed)
             return
 
 
-def _sets(hypotheses: tuple[Hypothesis, ...]) -> Iterator[tuple[Hypothesis, ...]]:
-    for count in range(1, MOST_MISTAKES + 1):
-        for chosen in combinations(hypotheses, count):
-            names = {item.mistake for item in chosen}
-            if not any(item.excludes & (names - {item.mistake}) for item in chosen):
-                yield chosen
+def _sets(hypotheses: tuple[Hypothesis, ...], count: int) -> Iterator[tuple[Hypothesis, ...]]:
+    for chosen in combinations(hypotheses, count):
+        names = {item.mistake for item in chosen}
+        if not any(item.excludes & (names - {item.mistake}) for item in chosen):
+            yield chosen
 
 
 def _gives(checks: Checks, item: Measured, chosen: tuple[Hypothesis, ...]) -> bool:

@@ -238,7 +238,15 @@ def _narrow(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
         width = widths.mean() if clear.any() else SIGMA
         fits = np.abs(shares - np.exp(-((away / width) ** 2) / 2)) < 1e-5
     if clear.any() and width < 0.97 * SIGMA and fits.all():
-        yield Sign("S8", rays[0], weak=True)
+        yield Sign("S8", rays[0], weak=not all(_as_narrow(item, width) for item in outcomes))
+
+
+def _as_narrow(outcome: Outcome, width: float) -> bool:
+    """Return whether log-weights are those of another sigma [m]."""
+    poses, bearings, ranges, field, _ = outcome.case.arguments
+    seen = np.isfinite(ranges)
+    away = distances(*ends(poses, bearings[seen], ranges[seen], REFERENCE), field, REFERENCE)
+    return bool(np.allclose(features(outcome), weights_of(away, width, REFERENCE), atol=1e-3))
 
 
 def _one_distance(outcome: Outcome) -> float:

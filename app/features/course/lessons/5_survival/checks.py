@@ -156,7 +156,10 @@ def _survivors(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
     if unlike and not wrong:
         yield Sign("line", unlike[0], weak=True)
     if wrong:
-        yield Sign("R4" if all(near for _, near in wrong) else "line", wrong[0][0], weak=True)
+        beside = all(near for _, near in wrong)
+        # An index that is off by one is so always, but where it is cut off at an end.
+        always = sum(item.case.kind == "sole" for item, _ in wrong) > 1
+        yield Sign("R4" if beside else "line", wrong[0][0], weak=not (beside and always))
 
 
 def _as_weighed(outcome: Outcome) -> bool:

@@ -227,16 +227,14 @@ def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
     yield from _uneven(outcomes)
     yield from heading_signs(outcomes, [_given_poses(item) for item in outcomes])
     yield from _others(outcomes)
-    near = all(_right(item) for item in outcomes if item.case.kind == "cloud")
+    near = all(_toward(item) > 0.5 for item in outcomes if item.case.kind in ("one", "cloud"))
     for outcome in outcomes:
         if outcome.case.kind == "seeds":
             starts = [np.asarray(answer.result) for answer in outcome.answers]
             yield from generator_signs(outcome, starts)
     for outcome in outcomes:
-        if near and outcome.case.kind == "around":
-            given, due = features(outcome), expected(outcome.case, frozenset())
-            if given[2] * due[2] + given[3] * due[3] < 0.5:
-                yield Sign("E1", outcome)
+        if near and outcome.case.kind == "around" and _toward(outcome) < 0.5:
+            yield Sign("E1", outcome)
     yield from _areas(outcomes)
 
 
@@ -292,9 +290,10 @@ def _subset(poses: Array, weights: Array, given: Array, tolerance: float | Array
     return None
 
 
-def _right(outcome: Outcome) -> bool:
-    due = expected(outcome.case, frozenset())
-    return bool((np.abs(features(outcome) - due) <= outcome.case.tolerance).all())
+def _toward(outcome: Outcome) -> float:
+    """Return the cosine of how far a heading is off."""
+    given, due = features(outcome), expected(outcome.case, frozenset())
+    return float(given[2] * due[2] + given[3] * due[3])
 
 
 def _areas(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
