@@ -47,15 +47,14 @@ SLIPS: list[tuple[str, int, list[tuple[str, str]]]] = [
     ("no-logarithm", 3, [("np.log(0.95 * fit + 0.05).sum(axis=1)", "(0.95 * fit + 0.05).prod(axis=1)")]),
     ("hit-share", 3, [("0.95 * fit + 0.05).sum", "0.05 * (fit + 0.05) + 0.0475 * fit).sum")]),
     ("spin-noiseless", 4, [("    x = poses[:, 0] + way_hat", "    if dx == dy == 0:\n        rot1_hat, rot2_hat = rot1, rot2\n    x = poses[:, 0] + way_hat")]),
-    ("alphas", 4, [("(a1, a2, a3, a4) = len(poses), moved, alphas", "(a1, a2, a3, a4) = len(poses), moved, alphas[::-1]")]),
+    ("alphas", 4, [("(a1, a2, a3, a4) = len(poses), moved, alphas", "(a2, a1, a3, a4) = len(poses), moved, alphas")]),
     ("noise-lost", 4, [("np.sqrt(a1 * rot2**2 + a2 * way**2) * rng.standard_normal(n)", "0")]),
-    ("weights-reversed", 5, [("np.cumsum(weights)", "np.cumsum((1 - weights) / (n - 1))")]),
     ("not-normalized", 6, [("    weights = weights / weights.sum()\n", "")]),
     ("resampling-early", 6, [("    fits = parts", "    if 1 / (weights**2).sum() < len(poses) / 2:\n        poses, weights = parts.resample(poses, weights)\n    fits = parts"), ("    weights = weights / weights.sum()\n    if 1 / (weights**2).sum() < len(poses) / 2:\n        poses, weights = parts.resample(poses, weights)\n", "    weights = weights / weights.sum()\n")]),
     ("exponential", 6, [("weights * np.exp(fits - np.max(fits))", "weights * fits")]),
     ("middle", 7, [("(np.hypot(off[:, 0], off[:, 1]) < 0.1)", "(np.abs(off[:, 0]) < 0.1) & (np.abs(off[:, 1]) < 0.1)")]),
     ("not-even", 7, [("return rng.uniform([left, bottom, -np.pi], [right, top, np.pi], (count, 3))", "return rng.triangular([left, bottom, -np.pi], [(left + right) / 2, (bottom + top) / 2, 0], [right, top, np.pi], (count, 3))")]),
     ("half-arctan", 7, [("    theta = best[2] + share @ turn\n", "    theta = math.atan(share @ np.sin(poses[:, 2]) / (share @ np.cos(poses[:, 2])))\n")]),
-    ("one-replaced", 8, [("    result[new] = anywhere(int(new.sum()))\n", "    result[:1] = anywhere(1)\n")]),
+    ("one-replaced", 8, [("    result[new] = anywhere(int(new.sum()))\n", "    result[rng.integers(len(poses))] = anywhere(1)[0]\n")]),
 ]  # fmt: skip
 """Cause, lesson, and what is replaced in the solution with arrays."""

@@ -80,11 +80,6 @@ FILTER = {
         "Something else than the weight decides: a square or a root of it.",
         "A particle with twice the weight gets twice the copies.",
     ),
-    "weights-reversed": Cause(
-        "The worst particles survive.",
-        "What weighs little is drawn often.",
-        "A particle with twice the weight gets twice the copies.",
-    ),
     "threshold": Cause(
         "It resamples at the wrong time.",
         "The effective sample size is compared with something else than half the particles.",

@@ -111,7 +111,6 @@ RULES: dict[str, Callable[[Array], Array]] = {
     "equal": lambda weights: np.full(len(weights), 1 / len(weights)),
     "best": lambda weights: np.eye(len(weights))[int(weights.argmax())],
     "squares": lambda weights: weights**2 / (weights**2).sum(),
-    "inverse": lambda weights: (1 - weights) / (len(weights) - 1),
     "roots": lambda weights: np.sqrt(weights) / np.sqrt(weights).sum(),
 }
 
@@ -220,7 +219,6 @@ CHECKS = Checks(
         Hypothesis("best", "best-only", ALL),
         Hypothesis("squares", "weights-changed", ALL),
         Hypothesis("roots", "weights-changed", ALL),
-        Hypothesis("inverse", "weights-reversed", ALL),
     ),
     signs=signs,
     show=show,

@@ -215,7 +215,7 @@ def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
         yield Sign("rates" if swapped else "memory", wrong[0])
         return
     fine = [item for item in memories if item.case.kind != "worse"]
-    yield from (Sign("ratio", item, weak=True) for item in fine if features(item)[0] > 0)
+    yield from (Sign("ratio", item) for item in fine if features(item)[0] > 0)
     yield from _shares(worse)
 
 
