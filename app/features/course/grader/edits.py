@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from itertools import combinations, pairwise
@@ -42,7 +43,7 @@ FUNCTIONS: dict[str, tuple[str, ...]] = {
     "rand": ("standard_normal",),
 }  # fmt: skip
 """What is taken for what, by the last part of the function's name."""
-NUMBERS = (0, 1, 2, 3, 0.5, 0.95, 0.05, 0.1, 0.001, 0.01)
+NUMBERS = (0, 1, 2, 3, 0.5, 0.95, 0.05, 0.1, 0.001, 0.01, math.pi, math.tau)
 """Numbers that lessons name, besides those of the code itself."""
 CALLED_OFF = frozenset(
     (
@@ -73,6 +74,8 @@ BOUNDS = frozenset(["min", "max", "minimum", "maximum"])
 """Functions of two arguments of which the second can be one too many."""
 ATTRIBUTES = ("u0", "v0", "slow", "fast", "height", "forward")
 """Values of what lessons hand over that are taken for each other."""
+MOST_VALUES = 12
+"""Values of a function that are tried as factors and terms."""
 LONGEST = 400
 """Longer functions are not mended [parts of their syntax]."""
 FEW = 10
@@ -133,7 +136,7 @@ def mended(source: str, functions: Iterable[str]) -> Iterator[tuple[Edit, str]]:
     places = _reached(tree, functions)
     found = sorted(
         (edit for place in places for edit in _edits(tree.body[place])),
-        key=lambda edit: RANKS.index("slip-missing" if edit.kind[0] == "wrapped" else edit.cause),
+        key=_rank,
     )
     home = {id(inner): place for place in places for inner in ast.walk(tree.body[place])}
     for chosen in _chosen(found):
@@ -153,15 +156,23 @@ def mended(source: str, functions: Iterable[str]) -> Iterator[tuple[Edit, str]]:
         yield chosen[0], "\n".join(written)
 
 
+def _rank(edit: Edit) -> tuple[int, bool]:
+    missing = "slip-missing" if edit.kind[0] == "wrapped" else edit.cause
+    return RANKS.index(missing), edit.kind[0] == "term"
+
+
 RANKS = (
-    "sine", "S4", "arctan", "half-cell", "slip-comparison", "slip-sign", "slip-order",
-    "slip-operator", "slip-function", "slip-number", "slip-too-much", "slip-name", "slip-missing",
+    "sine", "S4", "arctan", "half-cell", "slip-comparison", "slip-sign", "slip-brackets",
+    "slip-order", "slip-operator", "slip-function", "slip-number", "slip-too-much", "slip-name",
+    "slip-missing",
 )  # fmt: skip
 """Causes in the order in which they are tried; what has a name of its own comes first."""
 
 
 def _chosen(found: list[Edit]) -> Iterator[tuple[Edit, ...]]:
-    """Yield each change alone; then neighbours of one kind together, and all of one kind."""
+    """Yield each change alone, then two of one kind, all of one kind; and at last terms."""
+    terms = [edit for edit in found if edit.kind[0] == "term"]
+    found = [edit for edit in found if edit.kind[0] != "term"]
     yield from ((edit,) for edit in found)
     kinds: dict[tuple[object, ...], list[Edit]] = {}
     for edit in found:
@@ -172,6 +183,7 @@ def _chosen(found: list[Edit]) -> Iterator[tuple[Edit, ...]]:
     for alike in kinds.values():
         if 2 < len(alike) < 9 and not _nested(tuple(alike)):
             yield tuple(alike)
+    yield from ((edit,) for edit in terms)
 
 
 def _nested(chosen: tuple[Edit, ...]) -> bool:
@@ -210,13 +222,14 @@ def _reached(tree: ast.Module, functions: Iterable[str]) -> list[int]:
 def _edits(function: ast.stmt) -> Iterator[Edit]:
     names = _names(function)
     numbers = _numbers(function)
+    values = _values(function)
     for parent in ast.walk(function):
         yield from _operators(parent)
         yield from _orders(parent)
         yield from _lines(parent)
         for part, index, child in _children(parent):
             if isinstance(child, ast.expr):
-                yield from _expressions(parent, part, index, child, names, numbers)
+                yield from _expressions(parent, part, index, child, names, numbers, values)
 
 
 def _children(parent: ast.AST) -> Iterator[tuple[str, int | None, ast.AST]]:
@@ -238,6 +251,21 @@ def _names(function: ast.stmt) -> list[str]:
         if isinstance(item, ast.Name) and isinstance(item.ctx, ast.Store):
             found[item.id] = None
     return list(found)
+
+
+def _values(function: ast.stmt) -> list[ast.expr]:
+    """Return what a function works with, each once: names, and calls that make a number."""
+    found = dict[str, ast.expr]()
+    for item in ast.walk(function):
+        call = isinstance(item, ast.Call) and _last_name(item.func) in ("sin", "cos", "tan", "sum")
+        value = isinstance(item, ast.Name) and isinstance(item.ctx, ast.Store)
+        part = isinstance(item, ast.Attribute) and item.attr in ATTRIBUTES
+        if call or part:
+            found.setdefault(ast.dump(item), item)  # type: ignore[arg-type]
+        elif value:
+            name = ast.Name(item.id, ast.Load())  # type: ignore[attr-defined]
+            found.setdefault(ast.dump(name), name)
+    return list(found.values())[:MOST_VALUES]
 
 
 def _numbers(function: ast.stmt) -> list[float]:
@@ -375,6 +403,7 @@ def _expressions(
     child: ast.expr,
     names: list[str],
     numbers: list[float],
+    values: list[ast.expr],
 ) -> Iterator[Edit]:
     place = _Place(parent, part, index, getattr(child, "lineno", 0))
     if not isinstance(getattr(child, "ctx", ast.Load()), ast.Load):
@@ -387,6 +416,8 @@ def _expressions(
         yield from _constants(place, child, names, numbers)
     else:
         yield from _less(place, child)
+        yield from _brackets(place, child)
+        yield from _terms(place, child, values)
         yield from _named(place, child, names)
         yield from _more(place, child)
 
@@ -440,6 +471,39 @@ def _less(place: _Place, child: ast.expr) -> Iterator[Edit]:
         if inner is not None and (alone or (name in BOUNDS and len(child.args) == 2)):
             cause = "S4" if name in ANGLES else "slip-too-much"
             yield place.edit(cause, phrase("one function less"), ("call", name), inner)
+
+
+def _brackets(place: _Place, child: ast.expr) -> Iterator[Edit]:
+    """Take other parts of a formula together: of (a + b) / c, f(a) + b, or a + b / c."""
+    made: list[ast.expr] = []
+    if isinstance(child, ast.BinOp):
+        left, right = child.left, child.right
+        if isinstance(left, ast.BinOp) and type(left.op) is not type(child.op):
+            inner = ast.BinOp(left.right, child.op, right)
+            made.append(ast.BinOp(left.left, left.op, inner))
+        if isinstance(right, ast.BinOp) and type(right.op) is not type(child.op):
+            inner = ast.BinOp(left, child.op, right.left)
+            made.append(ast.BinOp(inner, right.op, right.right))
+        if isinstance(left, ast.Call) and len(left.args) == 1 and not left.keywords:
+            made.append(ast.Call(left.func, [ast.BinOp(left.args[0], child.op, right)], []))
+    for new in made:
+        yield place.edit("slip-brackets", phrase("other brackets"), ("brackets",), new)
+
+
+def _terms(place: _Place, child: ast.expr, values: list[ast.expr]) -> Iterator[Edit]:
+    """Put in a factor or a term that is one of the function's own values."""
+    if not isinstance(child, ast.BinOp | ast.Call | ast.Name | ast.Subscript):
+        return
+    if not isinstance(place.parent, ast.BinOp | ast.Assign | ast.Return | ast.Tuple):
+        return
+    for value in values:
+        for operator, words in (
+            (ast.Mult, phrase("another factor")), (ast.Div, phrase("another factor")),
+            (ast.Add, phrase("another term")), (ast.Sub, phrase("another term")),
+        ):  # fmt: skip
+            new = ast.BinOp(child, operator(), value)
+            kind = ("term", operator, ast.dump(value))
+            yield place.edit("slip-missing", words, kind, new)
 
 
 def _named(place: _Place, child: ast.expr, names: list[str]) -> Iterator[Edit]:

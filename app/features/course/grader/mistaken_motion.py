@@ -14,6 +14,7 @@ ORDERS = {
     "alphas-" + "".join(str(part + 1) for part in order): order
     for order in (
         *permutations(range(4)),
+        *((part,) * 4 for part in range(4)),
         *(tuple(other if part == at else part for part in range(4))
           for at in range(4) for other in range(4)),
     )

@@ -16,6 +16,11 @@ SLIPS = {
         "An operator is the wrong one, as times for divided.",
         "Work out the line's units: metres, radians, shares. Do they fit?",
     ),
+    "slip-brackets": Cause(
+        "The numbers have the wrong size.",
+        "What stands in brackets together belongs apart, or the other way round.",
+        "Without brackets a + b / c is a + (b / c). What is to be taken together in that line?",
+    ),
     "slip-comparison": Cause(
         "It decides the wrong way.",
         "A comparison is the wrong one.",

@@ -168,11 +168,13 @@ def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
         if wrong and all(item.case.kind == kind for item in wrong):
             yield Sign(cause, wrong[0])
             return
+    one_right = all(item.case.kind != "one" for item in wrong)
     yield from _shares(outcomes)
     yield from _underflow(outcomes)
     for item in outcomes:
         given = features(item)
-        if item.case.kind == "headings" and np.isfinite(given).all() and np.ptp(given) < 1e-12:
+        alike = np.isfinite(given).all() and np.ptp(given) < 1e-12
+        if one_right and item.case.kind == "headings" and alike:
             yield Sign("S6", item)
         if item.case.kind == "particles" and _is_inverse(item, given):
             yield Sign("S3", item)

@@ -178,7 +178,7 @@ def _without_noise(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
         alike = (given[3:6] < math.log(ALIKE)) & (due[3:6] > math.log(100 * ALIKE))
         if alike.any():
             shifts = np.abs(given[:3] * np.exp(given[3:6]))[alike]
-            yield Sign("M5" if shifts.max() > ALIKE else "noise-lost", outcome, weak=True)
+            yield Sign("M5" if shifts.max() > 100 * ALIKE else "noise-lost", outcome, weak=True)
             return
 
 
