@@ -85,8 +85,8 @@ def _findings(
     altered = list(_altered(lesson, measured))
     # What is not known for sure may follow from arrays that were written over.
     yield from (*named, *altered) if sure else (*altered, *named)
-    told = {flaw.cause for flaw in named}
-    yield from [flaw for flaw in failures[:1] if flaw.cause not in told]
+    causes = {flaw.cause for flaw in named}
+    yield from [flaw for flaw in failures[:1] if flaw.cause not in causes]
 
 
 def measure(

@@ -134,12 +134,12 @@ def mended(source: str, functions: Iterable[str]) -> Iterator[tuple[Edit, str]]:
     tree = ast.parse(source)
     parts = [ast.unparse(item) for item in tree.body]
     places = _reached(tree, functions)
-    found = sorted(
+    candidates = sorted(
         (edit for place in places for edit in _edits(tree.body[place])),
         key=_rank,
     )
     home = {id(inner): place for place in places for inner in ast.walk(tree.body[place])}
-    for chosen in _chosen(found):
+    for chosen in _chosen(candidates):
         for edit in chosen:
             edit.begin()
         try:
@@ -169,13 +169,13 @@ RANKS = (
 """Causes in the order in which they are tried; what has a name of its own comes first."""
 
 
-def _chosen(found: list[Edit]) -> Iterator[tuple[Edit, ...]]:
+def _chosen(candidates: list[Edit]) -> Iterator[tuple[Edit, ...]]:
     """Yield each change alone, then two of one kind, all of one kind; and at last terms."""
-    terms = [edit for edit in found if edit.kind[0] == "term"]
-    found = [edit for edit in found if edit.kind[0] != "term"]
-    yield from ((edit,) for edit in found)
+    terms = [edit for edit in candidates if edit.kind[0] == "term"]
+    candidates = [edit for edit in candidates if edit.kind[0] != "term"]
+    yield from ((edit,) for edit in candidates)
     kinds: dict[tuple[object, ...], list[Edit]] = {}
-    for edit in found:
+    for edit in candidates:
         kinds.setdefault(edit.kind, []).append(edit)
     for alike in kinds.values():
         pairs = combinations(alike, 2) if len(alike) <= FEW else pairwise(alike)
@@ -244,33 +244,33 @@ def _children(parent: ast.AST) -> Iterator[tuple[str, int | None, ast.AST]]:
 
 def _names(function: ast.stmt) -> list[str]:
     """Return names of values in a function: its arguments, and what it sets."""
-    found = dict[str, None]()
+    names = dict[str, None]()
     for item in ast.walk(function):
         if isinstance(item, ast.arg):
-            found[item.arg] = None
+            names[item.arg] = None
         if isinstance(item, ast.Name) and isinstance(item.ctx, ast.Store):
-            found[item.id] = None
-    return list(found)
+            names[item.id] = None
+    return list(names)
 
 
 def _values(function: ast.stmt) -> list[ast.expr]:
     """Return what a function works with, each once: names, and calls that make a number."""
-    found = dict[str, ast.expr]()
+    values = dict[str, ast.expr]()
     for item in ast.walk(function):
         call = isinstance(item, ast.Call) and _last_name(item.func) in ("sin", "cos", "tan", "sum")
         value = isinstance(item, ast.Name) and isinstance(item.ctx, ast.Store)
         part = isinstance(item, ast.Attribute) and item.attr in ATTRIBUTES
         if call or part:
-            found.setdefault(ast.dump(item), item)  # type: ignore[arg-type]
+            values.setdefault(ast.dump(item), item)  # type: ignore[arg-type]
         elif value:
             name = ast.Name(item.id, ast.Load())  # type: ignore[attr-defined]
-            found.setdefault(ast.dump(name), name)
-    return list(found.values())[:MOST_VALUES]
+            values.setdefault(ast.dump(name), name)
+    return list(values.values())[:MOST_VALUES]
 
 
 def _numbers(function: ast.stmt) -> list[float]:
-    own = [
-        item.value
+    own: list[float] = [
+        item.value  # type: ignore[misc]
         for item in ast.walk(function)
         if isinstance(item, ast.Constant) and type(item.value) in (int, float)
     ]

@@ -84,9 +84,9 @@ def heading_sign(outcome: Outcome, poses: Array) -> Iterator[Sign]:
 def heading_signs(outcomes: Sequence[Outcome], poses: Sequence[Array]) -> Iterator[Sign]:
     """Yield what ``heading_sign`` says of outcomes, with their poses (n, 3); S4 explains E2."""
     pairs = zip(outcomes, poses, strict=True)
-    found = [sign for item, each in pairs for sign in heading_sign(item, each)]
-    degrees = [sign for sign in found if sign.cause == "S4"]
-    yield from degrees or found
+    signs = [sign for item, each in pairs for sign in heading_sign(item, each)]
+    degrees = [sign for sign in signs if sign.cause == "S4"]
+    yield from degrees or signs
 
 
 def generator_signs(outcome: Outcome, results: Sequence[NDArray[Any]]) -> Iterator[Sign]:

@@ -15,8 +15,8 @@ ORDERS = {
     for order in (
         *permutations(range(4)),
         *((part,) * 4 for part in range(4)),
-        *(tuple(other if part == at else part for part in range(4))
-          for at in range(4) for other in range(4)),
+        *(tuple(other if part == place else part for part in range(4))
+          for place in range(4) for other in range(4)),
     )
     if order != (0, 1, 2, 3)
 }  # fmt: skip

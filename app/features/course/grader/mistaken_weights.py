@@ -8,6 +8,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
+from app.features.course.grader.case import by_mistake
 from robot.geometry import Array
 
 HIT, RANDOM = 0.95, 0.05
@@ -75,7 +76,7 @@ def distances(x: Array, y: Array, field: SimpleNamespace, mistakes: frozenset[st
     rows = np.floor((y - start[1]) / field.cell + shift).astype(int)
     if "rows" in mistakes:
         rows, columns = columns, rows
-    row_off, column_off = next((off for name, off in OFF.items() if name in mistakes), (0, 0))
+    row_off, column_off = by_mistake(mistakes, OFF, (0, 0))
     rows, columns = rows + row_off, columns + column_off
     height, width = field.distances.shape
     rows = -rows if "row-negative" in mistakes else rows

@@ -75,9 +75,9 @@ def main() -> None:
     while True:
         request = pipe.receive()
         if "source" in request:
-            again = ModuleType(STUDENT)
-            sys.modules[STUDENT] = module = again
-            work = lambda: _run_file(first["path"], request["source"], again)  # noqa: B023,E731
+            following = ModuleType(STUDENT)
+            sys.modules[STUDENT] = module = following
+            work = lambda: _run_file(first["path"], request["source"], following)  # noqa: B023,E731
             pipe.send(**_guarded(work, first["path"]))
             continue
         answer = _guarded(lambda: _call(module, request, pipe), first["path"])  # noqa: B023

@@ -101,7 +101,7 @@ def expected(case: Case, mistakes: frozenset[str]) -> Array:
     sides = {"side-short": -right, "side-along-floor": -scale * ahead * right}
     side = by_mistake(mistakes, sides, -scale * right)
     side = -side if "mirrored" in mistakes else side
-    return _told(scale * ahead, side, right, camera, mistakes)
+    return _bearing_and_range(scale * ahead, side, right, camera, mistakes)
 
 
 def _turned(tilt: float, mistakes: frozenset[str]) -> tuple[float, float]:
@@ -118,7 +118,7 @@ def _turned(tilt: float, mistakes: frozenset[str]) -> tuple[float, float]:
     return math.cos(down), math.sin(down)
 
 
-def _told(
+def _bearing_and_range(
     ahead: float, y: float, right: float, camera: SimpleNamespace, mistakes: frozenset[str]
 ) -> Array:
     """Return what is told of a point that lies ahead of the camera, and y to the left."""

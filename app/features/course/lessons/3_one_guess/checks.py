@@ -139,8 +139,8 @@ def expected(case: Case, mistakes: frozenset[str]) -> Array:
     kept = (~seen).sum() if "far-away" in mistakes else 0
     weights += math.log(RANDOM) * kept
     if "zero-range" in mistakes and kept_out(seen):
-        here = distances(poses[:, :1], poses[:, 1:2], field, REFERENCE)
-        weights = weights + weights_of(here, sigma, REFERENCE) * (~seen).sum()
+        clearances = distances(poses[:, :1], poses[:, 1:2], field, REFERENCE)
+        weights = weights + weights_of(clearances, sigma, REFERENCE) * (~seen).sum()
     if "stops-early" in mistakes and kept_out(seen):
         first = int(np.flatnonzero(~seen)[0])
         weights = weights_of(away[:, :first], sigma, mistakes) if first else np.zeros(len(poses))
@@ -204,12 +204,12 @@ def _shares(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
     if not np.isfinite(given).all():
         return
     model = np.column_stack([fits, np.ones(len(fits))])
-    found, *_ = np.linalg.lstsq(model, given, rcond=None)
-    exact = np.abs(model @ found - given).max() < 1e-9
-    if exact and abs(found[0]) > 1e-3 and np.abs(found - [HIT, RANDOM]).max() > 1e-6:
+    shares, *_ = np.linalg.lstsq(model, given, rcond=None)
+    exact = np.abs(model @ shares - given).max() < 1e-9
+    if exact and abs(shares[0]) > 1e-3 and np.abs(shares - [HIT, RANDOM]).max() > 1e-6:
         text = "A ray has the likelihood {hit} times the curve plus {other}; 0.95 and 0.05 are due."
-        values = {"hit": f"{found[0]:.3g}", "other": f"{found[1]:.3g}"}
-        lost = abs(found[1]) < 1e-9
+        values = {"hit": f"{shares[0]:.3g}", "other": f"{shares[1]:.3g}"}
+        lost = abs(shares[1]) < 1e-9
         yield Sign(
             "outliers" if lost else "hit-share", rays[0], note=Words(text, values), weak=True
         )

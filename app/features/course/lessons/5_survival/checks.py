@@ -131,9 +131,9 @@ def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
 
 
 def _chance(outcome: Outcome, draws: Sequence[Indices]) -> list[Sign]:
-    """Compare draws, of two each with one seed: two that are not rng's may be alike by chance."""
-    twos = [draws[index : index + 2] for index in range(0, len(draws), 2)]
-    apart = next((two for two in twos if not np.array_equal(*two)), twos[0])
+    """Compare draws, of pair each with one seed: pair that are not rng's may be alike by chance."""
+    pairs = [draws[index : index + 2] for index in range(0, len(draws), 2)]
+    apart = next((pair for pair in pairs if not np.array_equal(*pair)), pairs[0])
     return list(generator_signs(outcome, [*apart, *draws[::2]]))
 
 

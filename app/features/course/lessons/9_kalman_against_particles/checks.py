@@ -80,8 +80,8 @@ def expected(case: Case, mistakes: frozenset[str]) -> Array:
         "old-mean": seen - mean + moved,
         "no-difference": seen,
     }
-    found = np.array([mean + gain * by_mistake(mistakes, aheads, seen - mean), after])
-    return found[::-1] if "exchanged" in mistakes else found
+    belief = np.array([mean + gain * by_mistake(mistakes, aheads, seen - mean), after])
+    return belief[::-1] if "exchanged" in mistakes else belief
 
 
 def _gain(sd: float, before: float, seen_sd: float, mistakes: frozenset[str]) -> float:
