@@ -11,7 +11,7 @@ from types import TracebackType
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from app.engine.program import Program
+from app.engine.program import LocalProgram, Program
 from app.engine.snapshot import Snapshot
 from app.page.listening import listen
 from app.page.serving import Server
@@ -33,7 +33,7 @@ class ViewError(BrickPoseError, RuntimeError):
     """The page could not be served."""
 
 
-def view(program: Program, *, height: int = HEIGHT_PX, port: int = 0) -> View:
+def view(program: LocalProgram, *, height: int = HEIGHT_PX, port: int = 0) -> View:
     """Show the page of a program; as the last line of a notebook's cell, it appears below.
 
     The engine is not run by it: ``program.engine.step()`` goes on by a tick, and the page shows
@@ -55,7 +55,7 @@ def view(program: Program, *, height: int = HEIGHT_PX, port: int = 0) -> View:
 class View:
     """A page that is served until ``close``; a context that closes it."""
 
-    def __init__(self, program: Program, height: int = HEIGHT_PX, port: int = 0) -> None:
+    def __init__(self, program: LocalProgram, height: int = HEIGHT_PX, port: int = 0) -> None:
         """Serve it from now on."""
         self.program = program
         self._height = height

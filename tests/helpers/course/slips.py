@@ -18,7 +18,7 @@ SLIPS: list[tuple[str, int, list[tuple[str, str]]]] = [
     ("variances", 4, [("(rot1**2 + rot2**2)", "(rot1 + rot2)**2")]),
     ("arctan", 4, [("np.arctan2(sign * dy, sign * dx)", "np.arctan2(dx, dy) if dx >= 0 else np.arctan2(-dy, -dx)")]),
     ("line", 5, [("np.cumsum(weights)", "weights")]),
-    ("line", 5, [("(rng.random() + np.arange(n)) / n", "rng.random() + np.arange(n) / n")]),
+    ("slip-brackets", 5, [("(rng.random() + np.arange(n)) / n", "rng.random() + np.arange(n) / n")]),
     ("weights-ignored", 5, [("np.searchsorted(np.cumsum(weights), places).clip(0, n - 1)", "rng.integers(0, n, n)")]),
     ("no-chance", 5, [("(rng.random() + np.arange(n)) / n", "(0.5 + np.arange(n)) / n")]),
     ("order", 6, [("    poses = parts.motion(poses, moved)\n    fits = parts.log_weight(poses, scan)\n", "    fits = parts.log_weight(poses, scan)\n    poses = parts.motion(poses, moved)\n")]),
@@ -55,6 +55,6 @@ SLIPS: list[tuple[str, int, list[tuple[str, str]]]] = [
     ("middle", 7, [("(np.hypot(off[:, 0], off[:, 1]) < 0.1)", "(np.abs(off[:, 0]) < 0.1) & (np.abs(off[:, 1]) < 0.1)")]),
     ("not-even", 7, [("return rng.uniform([left, bottom, -np.pi], [right, top, np.pi], (count, 3))", "return rng.triangular([left, bottom, -np.pi], [(left + right) / 2, (bottom + top) / 2, 0], [right, top, np.pi], (count, 3))")]),
     ("half-arctan", 7, [("    theta = best[2] + share @ turn\n", "    theta = math.atan(share @ np.sin(poses[:, 2]) / (share @ np.cos(poses[:, 2])))\n")]),
-    ("one-replaced", 8, [("    result[new] = anywhere(int(new.sum()))\n", "    result[rng.integers(len(poses))] = anywhere(1)[0]\n")]),
+    ("one-replaced", 8, [("    result[new] = anywhere(int(new.sum()))\n", "    if new.any():\n        result[rng.integers(len(poses))] = anywhere(1)[0]\n")]),
 ]  # fmt: skip
 """Cause, lesson, and what is replaced in the solution with arrays."""

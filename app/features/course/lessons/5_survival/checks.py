@@ -133,7 +133,7 @@ def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
 def _chance(outcome: Outcome, draws: Sequence[Indices]) -> list[Sign]:
     """Compare draws, of pair each with one seed: pair that are not rng's may be alike by chance."""
     pairs = [draws[index : index + 2] for index in range(0, len(draws), 2)]
-    apart = next((pair for pair in pairs if not np.array_equal(*pair)), pairs[0])
+    apart = next((pair for pair in pairs if not np.array_equal(pair[0], pair[1])), pairs[0])
     return list(generator_signs(outcome, [*apart, *draws[::2]]))
 
 

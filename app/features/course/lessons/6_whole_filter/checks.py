@@ -243,7 +243,8 @@ def _weighed(prior: Array, fits: Array, mistakes: frozenset[str]) -> Array:
         "not-normalized": 1.0,
         "normalized-late": 1.0,
     }
-    return weights / by_mistake(mistakes, sums, weights.sum())
+    divided: Array = weights / by_mistake(mistakes, sums, weights.sum())
+    return divided
 
 
 def _stands(moved: Array, mistakes: frozenset[str]) -> bool:
@@ -306,7 +307,8 @@ def _areas(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
         given, due = features(outcome), expected(outcome.case, REFERENCE)
         if np.abs(given - due).max() <= outcome.case.tolerance:
             continue
-        kept = _features(*outcome.case.arguments[:2], outcome.case)[:-3]
+        poses, weights = outcome.case.arguments[:2]
+        kept = _features(poses, weights, outcome.case)[:-3]
         if outcome.case.kind != "stand" and np.array_equal(given[:-3], kept):
             yield Sign("standing", outcome, weak=True)
         elif given[-1] != due[-1]:

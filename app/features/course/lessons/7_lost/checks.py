@@ -219,7 +219,8 @@ def _parts(weights: Array, near: Array, mistakes: frozenset[str]) -> Array:
     share = near if "unweighted" in mistakes else weights * near
     share = share**2 if "squares" in mistakes else share
     sums = {"by-count": near.sum(), "of-all": weights.sum(), "not-shared": 1.0}
-    return share / by_mistake(mistakes, sums, share.sum())
+    parts: Array = share / by_mistake(mistakes, sums, share.sum())
+    return parts
 
 
 def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
