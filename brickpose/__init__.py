@@ -24,6 +24,7 @@ if TYPE_CHECKING:
         SetPoseCommand,
     )
     from app.messages.driving_commands import DriveCommand, FigureEightCommand, StopCommand
+    from app.page.notebook import view
     from app.settings.config import MAPS, Config, load_config
     from robot.description.spec import RobotSpec
     from robot.errors import BrickPoseError
@@ -72,6 +73,7 @@ __all__ = [
     "build_program",
     "load_config",
     "load_field",
+    "view",
 ]
 
 _HOMES = {
@@ -108,6 +110,7 @@ _HOMES = {
     "build_program": "app.engine.build",
     "load_config": "app.settings.config",
     "load_field": "robot.fields.field_loading",
+    "view": "app.page.notebook",
 }
 """Module of each public name."""
 

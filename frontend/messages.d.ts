@@ -331,8 +331,9 @@ export interface FigureEightCommand {
 }
 
 /**
- * Let the particle filter wait for steps by hand, or work by itself again. Odometry gathers
- * meanwhile; the next prediction uses all of it.
+ * Let the particle filter wait for steps by hand, or work by itself again. Another filter is
+ * replaced by it, and it begins at the heaviest place of that one. Odometry gathers meanwhile; the
+ * next prediction uses all of it.
  */
 export interface FilterByHandCommand {
   /** Repeated in the answer. */

@@ -7,6 +7,7 @@
 const READ_AS = {
   m: { unit: "mm", factor: 1000 },
   rad: { unit: "°", factor: 180 / Math.PI },
+  degree: { unit: "°", factor: 1 },
 };
 
 /**

@@ -135,6 +135,15 @@ def test_the_cells_of_the_notebook_run():
     assert printed(code).split()[-1] == "certain"
 
 
+def test_the_notebook_with_the_page_steps_it():
+    notebook = json.loads((EXAMPLES / "page.ipynb").read_text(encoding="utf-8"))
+    cells = ["".join(cell["source"]) for cell in notebook["cells"] if cell["cell_type"] == "code"]
+    code = cells[0] + "._repr_html_()\n" + "\n".join(cells[1:])
+    said = printed(code).splitlines()
+    assert said[0].startswith("certain")
+    assert said[1] in ("lost", "ambiguous", "approximate")
+
+
 def test_the_loop_without_a_server_knows_where_the_robot_is():
     said = printed(example(ROOT / "README.md"))
     assert max(poses(said)) < 0.005

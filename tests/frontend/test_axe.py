@@ -137,8 +137,6 @@ def test_what_particles_say(page, size):
     box.get_by_role("button", name="show", exact=True).click()
     expect(box.locator(".scale li")).to_have_count(4)
     found = faults(page, "#map")
-    if box.get_by_role("button", name="use the particle filter").is_visible():
-        box.get_by_role("button", name="use the particle filter").click()
     box.get_by_role("button", name="by hand", exact=True).click()
     box.get_by_role("button", name="predict").click()
     expect(box.locator(".hand").get_by_role("status")).to_contain_text("The noise drawn")

@@ -137,13 +137,15 @@ def test_the_filter_goes_by_hand_and_back(page: Page, server) -> None:
     page.wait_for_function("window.brickpose.telemetry.filter.hand === null")
 
 
-def test_other_filters_say_that_they_have_no_steps(page: Page, server) -> None:
+def test_by_hand_takes_the_particle_filter_in_place_of_another(page: Page, server) -> None:
     with server.live() as live:
         ask(live, type="set_parameters", values={"filter": "kalman"})
         until(live, lambda now: now["filter"]["kind"] == "kalman")
-        refused = ask(live, type="filter_by_hand", on=True)
+        refused = ask(live, type="filter_step", step="predict")
         assert "the filter kalman has no steps by hand; choose particles" in refused["message"]
     box = page.locator("#particles .hand")
-    expect(box.get_by_role("status")).to_contain_text("The filter is kalman now")
-    box.get_by_role("button", name="use the particle filter").click()
-    expect(box.get_by_role("button", name="by hand")).to_be_visible()
+    expect(box.get_by_role("status")).to_contain_text(
+        "Takes the particle filter in place of kalman"
+    )
+    box.get_by_role("button", name="by hand").click()
+    expect(box.get_by_role("button", name="predict")).to_be_enabled()

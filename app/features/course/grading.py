@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterable, Iterator, Sequence
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 
-from app.features.course.grader.case import Case, Checks, FormError, Outcome, numbers
+from app.features.course.grader.case import Case, Checks, FormError, numbers
 from app.features.course.grader.causes.causes import cause_of
 from app.features.course.grader.diagnosis import Diagnosis, Measured, diagnose, expected_features
 from app.features.course.grader.finding import Flaw, LessonResult
 from app.features.course.grader.words import Words
 from app.features.course.lesson import Lesson
+from app.features.course.mending import Mended, answered, mend
 from app.features.course.sandbox.file_clock import FileClock
-from app.features.course.sandbox.student_process import Answer, StudentError, StudentProcess
+from app.features.course.sandbox.student_process import StudentError, StudentProcess
 
 SEED = 20_240_229
 """Default seed of the cases, so that the same file always gets the same result."""
@@ -60,7 +61,7 @@ def grade_often(
             # Absurd numbers are told as such; NumPy's own warnings about them help nobody.
             with np.errstate(all="ignore"), StudentProcess(path, source, clock) as process:
                 for seed in seeds[len(results) :]:
-                    findings = tuple(_findings(process, lesson, seed, checks))
+                    findings = tuple(_findings(process, lesson, seed, checks, clock))
                     results.append(LessonResult(lesson.number, lesson.name, findings))
                     if process.broken:
                         break  # what it says next may answer an earlier question
@@ -69,18 +70,23 @@ def grade_often(
     return results
 
 
-def _findings(process: StudentProcess, lesson: Lesson, seed: int, checks: Checks) -> Iterator[Flaw]:
+def _findings(
+    process: StudentProcess, lesson: Lesson, seed: int, checks: Checks, clock: FileClock
+) -> Iterator[Flaw]:
     missing = [name for name in checks.functions if name not in process.names]
     if missing:
         yield _failure(lesson, StudentError(f"there is no function {missing[0]}"))
         return
     measured, failures = measure(process, lesson, checks.cases(seed))
     try:
-        yield from _named(lesson, checks, measured)
+        named, sure = _named(process, lesson, measured, clock)
     except FormError as error:  # what only the search for causes looks at
-        yield _finding(lesson, "form", measured[0].case, error.words)
-    yield from _altered(lesson, measured)
-    yield from failures[:1]
+        named, sure = [_finding(lesson, "form", measured[0].case, error.words)], True
+    altered = list(_altered(lesson, measured))
+    # What is not known for sure may follow from arrays that were written over.
+    yield from (*named, *altered) if sure else (*altered, *named)
+    causes = {flaw.cause for flaw in named}
+    yield from [flaw for flaw in failures[:1] if flaw.cause not in causes]
 
 
 def measure(
@@ -93,7 +99,7 @@ def measure(
         if case.play is not None and not all(item.passed for item in measured):
             break  # whole drives only confirm what the small cases have shown
         try:
-            outcome = _asked(process, case)
+            outcome = answered(process, case)
             given = lesson.checks.features(outcome)
             measured.append(Measured(outcome, given, expected_features(lesson.checks, case)))
         except StudentError as error:
@@ -107,39 +113,53 @@ def measure(
     return measured, failures
 
 
-def _asked(process: StudentProcess, case: Case) -> Outcome:
-    case.begin()
-    if case.play is not None:
+def _named(
+    process: StudentProcess, lesson: Lesson, measured: Sequence[Measured], clock: FileClock
+) -> tuple[list[Flaw], bool]:
+    """Return what is named, and whether it is known for sure."""
+    diagnoses = diagnose(lesson.checks, measured)
+    failed = [item for item in measured if not item.passed]
+    sure = not failed or any(item.certain for item in diagnoses)
+    if not sure:
+        change = mend(process, lesson.checks, measured, clock)
+        if change is not None:
+            return [_slip(lesson, change, failed[0])], True
+    return [_explained(lesson, lesson.checks, item) for item in diagnoses], sure
 
-        def ask(*arguments: Any, seed: int | None = None) -> Answer:
-            return process.call(case.function, arguments, seed, case.offered)
 
-        return Outcome(case, (Answer(case.play(ask)),))
-    answers = [
-        process.call(case.function, case.arguments, seed, case.offered)
-        for seed in case.seeds or (None,)
-    ]
-    return Outcome(case, tuple(answers))
-
-
-def _named(lesson: Lesson, checks: Checks, measured: Sequence[Measured]) -> Iterator[Flaw]:
-    for diagnosis in diagnose(checks, measured):
-        yield _explained(lesson, checks, diagnosis)
+def _slip(lesson: Lesson, change: Mended, measured: Measured) -> Flaw:
+    """Return the finding of a slip that one small change mends: its line, and what it needs."""
+    text = "{compared} Line {line} is where it happens: with {change} there all is right."
+    values = {
+        "compared": _compared(lesson.checks, measured),
+        "line": change.line,
+        "change": Words(change.words),
+    }
+    picture = _drawn(lesson.checks, measured)
+    flaw = _finding(lesson, change.cause, measured.case, Words(text, values), picture)
+    return replace(flaw, line=change.line)
 
 
 def _explained(lesson: Lesson, checks: Checks, diagnosis: Diagnosis) -> Flaw:
     measured = diagnosis.measured
-    compared = diagnosis.note or Words(
+    compared = diagnosis.note or _compared(checks, measured)
+    return _finding(lesson, diagnosis.cause, measured.case, compared, _drawn(checks, measured))
+
+
+def _compared(checks: Checks, measured: Measured) -> Words:
+    return Words(
         "Expected: {due}. Your code: {given}.",
         {
             "due": checks.show(measured.case, measured.expected),
             "given": checks.show(measured.case, measured.given),
         },
     )
-    picture = ""
-    if checks.picture is not None:
-        picture = checks.picture(measured.outcome, measured.expected, measured.given)
-    return _finding(lesson, diagnosis.cause, measured.case, compared, picture)
+
+
+def _drawn(checks: Checks, measured: Measured) -> str:
+    if checks.picture is None:
+        return ""
+    return checks.picture(measured.outcome, measured.expected, measured.given)
 
 
 def _finding(lesson: Lesson, code: str, case: Case, compared: Words, picture: str = "") -> Flaw:
@@ -172,7 +192,7 @@ def _altered(lesson: Lesson, measured: Iterable[Measured]) -> Iterator[Flaw]:
 
 
 def _failure(lesson: Lesson, error: StudentError, case: Case | None = None) -> Flaw:
-    code = "stopped" if error.fatal else "error"
+    code = "stopped" if error.fatal else (case.on_error if case else "") or "error"
     code = "not-written" if str(error).startswith("NotImplementedError") else code
     cause = cause_of(code)
     function = lesson.checks.functions[0] if case is None else case.function

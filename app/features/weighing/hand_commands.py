@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Iterator
+from dataclasses import replace
 
 from app.engine.command_row import CommandRow, Repeat, TickContext
 from app.engine.controls import Controls
+from app.engine.localization import Localization
 from app.engine.program import Program
 from app.features.weighing.messages import (
     FilterByHandCommand,
@@ -17,11 +19,29 @@ from app.languages.marking import phrase
 from robot.errors import CommandError
 from robot.localization.filter_by_hand import StepError
 
+PARTICLES = "particles"
+"""The filter that has steps."""
+
 
 def _filter_by_hand(tick: TickContext[FilterByHandCommand]) -> None:
     localization = tick.localization
     with _refusals(tick.controls):
+        if tick.command.on:
+            _take_particles(localization)
         localization.by_hand.switch(localization.localizer if tick.command.on else None)
+
+
+def _take_particles(localization: Localization) -> None:
+    """Choose the particle filter, if it is another one, with the heaviest place of that."""
+    parameters = localization.parameters
+    if parameters.filter.filter == PARTICLES:
+        return
+    places = localization.localizer.filter.hypotheses
+    chosen = replace(parameters.filter, filter=PARTICLES)
+    localization.use(replace(parameters, filter=chosen))
+    if len(places) > 1:
+        heaviest = max(places, key=lambda place: place.weight)
+        localization.localizer.set_hypotheses((heaviest,))
 
 
 def _filter_step(tick: TickContext[FilterStepCommand]) -> None:
@@ -50,7 +70,7 @@ def require_particles(program: Program) -> None:
     """
     latest = program.engine.latest.get()
     kind = (latest.filter.parameters if latest else program.config.localization).filter.filter
-    if kind != "particles":
+    if kind != PARTICLES:
         raise CommandError(f"the filter {kind} has no steps by hand; choose particles")
 
 
@@ -65,7 +85,7 @@ def _refusals(controls: Controls) -> Iterator[None]:
 
 
 COMMANDS = (
-    CommandRow(FilterByHandCommand, _filter_by_hand, Repeat.MOMENT, allowed=require_particles),
+    CommandRow(FilterByHandCommand, _filter_by_hand, Repeat.MOMENT),
     CommandRow(FilterStepCommand, _filter_step, Repeat.MOMENT, allowed=require_particles),
     CommandRow(FilterUndoCommand, _filter_undo, Repeat.MOMENT, allowed=require_particles),
 )

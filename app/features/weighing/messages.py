@@ -112,6 +112,8 @@ class HandStepMessage(Message):
 class FilterByHandCommand(CommandMessage):
     """Let the particle filter wait for steps by hand, or work by itself again.
 
+    Another filter is replaced by it, and it begins at the heaviest place of that one.
+
     Odometry gathers meanwhile; the next prediction uses all of it.
     """
 

@@ -29,7 +29,6 @@ export class HandSection {
   #words = make("p", { role: "status" });
   #ahead = make("p", { class: "quiet" });
   #switch = button(t("by hand"), t("Let the filter wait for your steps, or work by itself again"));
-  #choose = button(t("use the particle filter"), t("Only the particle filter has these steps"));
   #undo = button(t("back"), t("Take the last step back; the same step then draws the same numbers"));
   #steps = STEPS.map(([step, text, title]) => {
     const made = button(text, title);
@@ -40,7 +39,7 @@ export class HandSection {
   element = make(
     "section",
     { class: "hand", "aria-labelledby": "hand-title" },
-    make("div", { class: "aside-bar" }, make("h4", { id: "hand-title" }, t("The filter by hand")), this.#switch, this.#choose),
+    make("div", { class: "aside-bar" }, make("h4", { id: "hand-title" }, t("The filter by hand")), this.#switch),
     this.#row,
     this.#words,
     this.#ahead,
@@ -54,7 +53,6 @@ export class HandSection {
     this.order = order;
     this.changed = changed;
     this.#switch.onclick = () => order({ type: "filter_by_hand", on: !this.#enabled });
-    this.#choose.onclick = () => order({ type: "set_parameters", values: { filter: "particles" } });
     this.#undo.onclick = () => order({ type: "filter_undo" });
   }
 
@@ -62,14 +60,12 @@ export class HandSection {
   follow({ filter: { kind, hand } }) {
     const possible = kind === "particles";
     this.#enabled = Boolean(hand);
-    this.#switch.hidden = !possible;
-    this.#choose.hidden = possible;
     this.#switch.setAttribute("aria-pressed", String(this.#enabled));
     this.#row.hidden = !hand;
     if (!hand) {
       if (this.shown) this.#forget();
       this.#number = -1;
-      setText(this.#words, possible ? t("Predict, weigh and resample one at a time, and back.") : t("The filter is {kind} now; the particle filter alone has steps by hand.", { kind }));
+      setText(this.#words, possible ? t("Predict, weigh and resample one at a time, and back.") : t("Takes the particle filter in place of {kind}, with its heaviest place.", { kind }));
       setText(this.#ahead, "");
       return;
     }

@@ -15,7 +15,9 @@ def log_weight(poses, bearings, ranges, distances, left, bottom, cell, sigma):
                 angle = poses[k, 2] + bearings[m]
                 x = poses[k, 0] + ranges[m] * np.cos(angle)
                 y = poses[k, 1] + ranges[m] * np.sin(angle)
-                d = distances[int((y - bottom) / cell), int((x - left) / cell)]
+                row = min(max(int((y - bottom) / cell), 0), len(distances) - 1)
+                column = min(max(int((x - left) / cell), 0), len(distances[0]) - 1)
+                d = distances[row, column]
                 result[k] += np.log(0.95 * np.exp(-d * d / (2 * sigma * sigma)) + 0.05)
     return result
 
@@ -82,6 +84,7 @@ def log_weight(poses, bearings, ranges, field, sigma):
     y = poses[:, 1, None] + np.sin(angle) * ranges[keep]
     j = ((x - field.origin[0]) // field.cell).astype(int)
     i = ((y - field.origin[1]) // field.cell).astype(int)
+    i, j = np.clip(i, 0, field.distances.shape[0] - 1), np.clip(j, 0, field.distances.shape[1] - 1)
     fit = np.log(0.95) - 0.5 * (field.distances[i, j] / sigma) ** 2
     return np.logaddexp(fit, np.log(0.05)).sum(-1)
 

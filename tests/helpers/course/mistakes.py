@@ -85,7 +85,7 @@ WRITINGS = [
         [("total = 0.0\n        for bearing", "total = 1.0\n        for bearing"),
          ("total += log(0.95 * exp(-0.5 * (away / sigma) ** 2) + 0.05)",
           "total *= 0.95 * exp(-0.5 * (away / sigma) ** 2) + 0.05"),
-         ("weights.append(total)", "weights.append(total)")],
+         ("weights.append(total)", "weights.append(log(total) if total > 0 else -inf)")],
         [("np.sum(np.log(0.05 + 0.95 * np.exp(-d2 / 2 / sigma**2)))",
           "np.log(np.prod(0.05 + 0.95 * np.exp(-d2 / 2 / sigma**2)))")],
     ),

@@ -30,7 +30,8 @@ def log_weight(poses, bearings, ranges, field, sigma):
     y = poses[:, 1:2] + ranges[seen] * np.sin(angles)
     columns = ((x - field.origin[0]) / field.cell).astype(int)
     rows = ((y - field.origin[1]) / field.cell).astype(int)
-    away = field.distances[rows, columns]
+    height, width = field.distances.shape
+    away = field.distances[rows.clip(0, height - 1), columns.clip(0, width - 1)]
     fit = np.exp(-away**2 / (2 * sigma**2))
     return np.log(0.95 * fit + 0.05).sum(axis=1)
 
@@ -131,6 +132,8 @@ def log_weight(poses, bearings, ranges, field, sigma):
             y = py + far * sin(theta + bearing)
             column = int((x - field.origin[0]) // field.cell)
             row = int((y - field.origin[1]) // field.cell)
+            column = min(max(column, 0), len(field.distances[0]) - 1)
+            row = min(max(row, 0), len(field.distances) - 1)
             away = field.distances[row][column]
             total += log(0.95 * exp(-0.5 * (away / sigma) ** 2) + 0.05)
         weights.append(total)
@@ -234,6 +237,7 @@ def log_weight(poses, bearings, ranges, field, sigma):
         ends = x + 1j * y + np.exp(1j * theta) * local
         j = np.floor((ends.real - field.origin[0]) / field.cell).astype(int)
         i = np.floor((ends.imag - field.origin[1]) / field.cell).astype(int)
+        i, j = (np.clip(at, 0, size - 1) for at, size in zip((i, j), field.distances.shape))
         d2 = np.square(field.distances[i, j])
         result[k] = np.sum(np.log(0.05 + 0.95 * np.exp(-d2 / 2 / sigma**2)))
     return result

@@ -10,7 +10,6 @@ from engine_runs import drive, kinematic, run
 from particle_robot import Tracker, tracker_of
 from stub_drive import DEFAULTS, Drive
 
-from app.engine.commands import apply
 from app.engine.earlier_beliefs import MOST_BYTES
 from app.engine.program import Program
 from app.engine.snapshot import Snapshot
@@ -19,6 +18,7 @@ from app.features.weighing.messages import FilterByHandCommand, FilterStepComman
 from app.messages.commands import ResetCommand, ScatterCommand, SetParametersCommand
 from robot.errors import CommandError
 from robot.geometry import Pose2, Twist2, compose
+from robot.localization.estimate import Hypothesis
 from robot.localization.filter_by_hand import FilterByHand, StepError
 from robot.localization.particles.clusters import Cells, find_clusters
 from robot.localization.particles.resampling import Resampled, low_variance, regularize
@@ -251,14 +251,29 @@ def test_only_the_particle_filter_has_steps_by_hand() -> None:
 
     program = kinematic()
     run(program, 0.1)
-    for command in (ON, PREDICT, UNDO):
+    for command in (PREDICT, UNDO):
         with pytest.raises(CommandError, match="hypotheses has no steps by hand; choose particles"):
             check(command, program)
-    # A replay does not check; it says so and goes on.
-    controls = program.engine.controls
-    apply(ON, controls, controls.odometry.at(controls.stamp))
-    assert program.engine.step().filter.hand is None
-    assert "choose particles" in program.engine.controls.problems.record[-1].message
+    # By hand, it takes the place of another filter, and begins where that is.
+    before = run(program, 0.1)[-1]
+    by_hand = give(program, ON)
+    assert by_hand.filter.parameters.filter.filter == "particles"
+    assert by_hand.filter.hand is not None
+    mean = by_hand.filter.hand.particles.poses[:, :2].mean(axis=0)
+    assert np.hypot(*(mean - [before.pose.x, before.pose.y])) < 0.05
+
+
+def test_by_hand_begins_at_the_heaviest_place_of_several() -> None:
+    program = kinematic()
+    run(program, 0.1)
+    places = [
+        Hypothesis(share, Pose2(x, 0.2, 0.5), np.diag([0.01, 0.01, 0.02]) ** 2)
+        for share, x in ((0.3, -0.3), (0.7, 0.3))
+    ]
+    program.engine.controls.localization.localizer.set_hypotheses(tuple(places))
+    by_hand = give(program, ON).filter.hand
+    assert by_hand is not None
+    assert np.abs(by_hand.particles.poses[:, 0] - 0.3).max() < 0.1
 
 
 def test_another_filter_ends_the_steps_by_hand(program: Program) -> None:

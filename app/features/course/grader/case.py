@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, TypeVar
 
 from app.features.course.grader.words import Words
 from app.features.course.sandbox.student_process import Answer
@@ -23,6 +23,7 @@ class FormError(BrickPoseError, ValueError):
         super().__init__(self.words.say())
 
 
+Chosen = TypeVar("Chosen")
 Ask = Callable[..., Answer]
 """Calls the student's function with arguments, and ``seed`` for a generator."""
 Play = Callable[[Ask], Any]
@@ -47,6 +48,8 @@ class Case:
     """Functions that the student's may call."""
     begin: Callable[[], None] = lambda: None
     """Called before the student's function: offered functions may keep what they are asked."""
+    on_error: str = ""
+    """The cause that is named if the function raises here; empty is that of any error."""
     play: Play | None = None
     """Calls the function often, as a filter does, instead of once."""
 
@@ -74,6 +77,8 @@ class Sign:
     """Whether features do not show it: it is named beside whatever else explains them."""
     note: Words | None = None
     """What shows it, where the features do not."""
+    weak: bool = False
+    """Whether it can be a consequence: a slip in a line that explains all goes first."""
 
 
 Variant = Callable[[Case, frozenset[str]], Array]
@@ -91,6 +96,8 @@ class Hypothesis:
     """Mistakes that cannot be made at the same time."""
     kind: str = ""
     """The kind of cases that show it best; empty is the first that fails."""
+    broad: bool = False
+    """Whether others look alike: a slip in a line that explains all goes first."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,6 +118,11 @@ class Checks:
     """An outcome with the expected and the given features as SVG."""
     situation: Callable[[Case], Mapping[str, float]] | None = None
     """The pose to put the dashboard's robot at: x, y, theta; maybe guess_x and so on."""
+
+
+def by_mistake(mistakes: frozenset[str], choices: Mapping[str, Chosen], usual: Chosen) -> Chosen:
+    """Return the choice of the first mistake that has one; the usual one without."""
+    return next((value for name, value in choices.items() if name in mistakes), usual)
 
 
 def numbers(values: Array) -> str:

@@ -46,7 +46,7 @@ class Diagnosis:
     cause: str
     measured: Measured
     certain: bool = True
-    """Whether it explains all failed cases; else only some of them."""
+    """Whether it explains all failed cases, and nothing else looks alike."""
     note: Words | None = None
     """What shows the cause, if the features do not."""
 
@@ -68,41 +68,54 @@ def diagnose(checks: Checks, measured: Sequence[Measured]) -> list[Diagnosis]:
         (sign, by_outcome[id(sign.outcome)])
         for sign in checks.signs([item.outcome for item in measured])
     ]
-    named = [Diagnosis(sign.cause, item, note=sign.note) for sign, item in signs if sign.apart]
     failed = [item for item in measured if not item.passed]
-    if not failed:
-        return _by_cause(
-            [*named, *(Diagnosis(sign.cause, item, note=sign.note) for sign, item in signs)]
-        )
-    explained = list(_explained(checks, measured, failed))
+    explained = list(_explained(checks, measured, failed, 1)) if failed else []
+    strong = [sign for sign, _ in signs if not (sign.weak or sign.apart)]
+    for count in range(2, MOST_MISTAKES + 1):
+        if failed and not explained and not strong:
+            explained = list(_explained(checks, measured, failed, count))
+    # Beside results that nothing explains yet, what shows by itself may follow from their cause.
+    alone = not failed or bool(explained)
+    named = [
+        Diagnosis(sign.cause, item, alone or not sign.weak, sign.note)
+        for sign, item in signs
+        if sign.apart
+    ]
     if not explained:
-        explained = [Diagnosis(sign.cause, item, note=sign.note) for sign, item in signs]
+        explained = [
+            Diagnosis(sign.cause, item, not failed or not sign.weak, sign.note)
+            for sign, item in signs
+        ]
+    if not failed:
+        return _by_cause([*named, *explained])
     if not explained:
         explained = list(_partly_explained(checks, measured, failed))
     return _by_cause([*explained, *named]) or [Diagnosis(UNKNOWN, failed[0], certain=False)]
 
 
 def _by_cause(named: list[Diagnosis]) -> list[Diagnosis]:
-    return list({item.cause: item for item in reversed(named)}.values())[::-1]
+    first: dict[str, Diagnosis] = {}
+    for item in named:
+        first.setdefault(item.cause, item)
+    return list(first.values())
 
 
 def _explained(
-    checks: Checks, measured: Sequence[Measured], failed: Sequence[Measured]
+    checks: Checks, measured: Sequence[Measured], failed: Sequence[Measured], count: int
 ) -> Iterator[Diagnosis]:
-    """Find the fewest mistakes that give all the features of the student's code."""
-    for mistakes in _sets(checks.hypotheses):
+    """Find as many mistakes that give all the features of the student's code."""
+    for mistakes in _sets(checks.hypotheses, count):
         # The failed cases first: one of them already excludes most hypotheses.
         if all(_gives(checks, item, mistakes) for item in (*failed, *measured)):
             yield from _named(checks, mistakes, failed)
             return
 
 
-def _sets(hypotheses: tuple[Hypothesis, ...]) -> Iterator[tuple[Hypothesis, ...]]:
-    for count in range(1, MOST_MISTAKES + 1):
-        for chosen in combinations(hypotheses, count):
-            names = {item.mistake for item in chosen}
-            if not any(item.excludes & (names - {item.mistake}) for item in chosen):
-                yield chosen
+def _sets(hypotheses: tuple[Hypothesis, ...], count: int) -> Iterator[tuple[Hypothesis, ...]]:
+    for chosen in combinations(hypotheses, count):
+        names = {item.mistake for item in chosen}
+        if not any(item.excludes & (names - {item.mistake}) for item in chosen):
+            yield chosen
 
 
 def _gives(checks: Checks, item: Measured, chosen: tuple[Hypothesis, ...]) -> bool:
@@ -117,7 +130,9 @@ def _named(
         for item in sorted(failed, key=lambda item: item.case.kind != mistake.kind):
             alone = checks.expected(item.case, frozenset([mistake.mistake]))
             if not agree(alone, item.expected, item.case.tolerance):
-                yield Diagnosis(mistake.cause, item)
+                # One slip in a line that explains all is likelier than two mistakes.
+                certain = not mistake.broad and len(mistakes) == 1
+                yield Diagnosis(mistake.cause, item, certain)
                 break
 
 

@@ -78,7 +78,15 @@ def heading_sign(outcome: Outcome, poses: Array) -> Iterator[Sign]:
         text = "The heading is given as {heading} rad; -π to π is due."
         note = Words(text, {"heading": f"{wrong[0, 2]:.3f}"})
         degrees = np.abs(wrong[:, 2]).max() > SURELY_DEGREES
-        yield Sign("S4" if degrees else "E2", outcome, apart=True, note=note)
+        yield Sign("S4" if degrees else "E2", outcome, apart=True, note=note, weak=True)
+
+
+def heading_signs(outcomes: Sequence[Outcome], poses: Sequence[Array]) -> Iterator[Sign]:
+    """Yield what ``heading_sign`` says of outcomes, with their poses (n, 3); S4 explains E2."""
+    pairs = zip(outcomes, poses, strict=True)
+    signs = [sign for item, each in pairs for sign in heading_sign(item, each)]
+    degrees = [sign for sign in signs if sign.cause == "S4"]
+    yield from degrees or signs
 
 
 def generator_signs(outcome: Outcome, results: Sequence[NDArray[Any]]) -> Iterator[Sign]:

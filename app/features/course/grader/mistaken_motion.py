@@ -3,10 +3,24 @@
 from __future__ import annotations
 
 import math
+from itertools import permutations
 
 import numpy as np
 
+from app.features.course.grader.case import by_mistake
 from robot.geometry import Array, wrap_angle
+
+ORDERS = {
+    "alphas-" + "".join(str(part + 1) for part in order): order
+    for order in (
+        *permutations(range(4)),
+        *((part,) * 4 for part in range(4)),
+        *(tuple(other if part == place else part for part in range(4))
+          for place in range(4) for other in range(4)),
+    )
+    if order != (0, 1, 2, 3)
+}  # fmt: skip
+"""Alphas that are taken for each other: all orders, and one that stands for two."""
 
 
 def sampled(
@@ -14,27 +28,36 @@ def sampled(
 ) -> Array:
     """Sample the odometry motion model (Probabilistic Robotics, Table 5.6), with mistakes."""
     dx, dy, turn = moved
+    if "stays" in mistakes and dx == 0:
+        return poses.copy()
     back = dx < 0 and "reverse-turns" not in mistakes
     way, rot1 = _first_part(dx, dy, mistakes, back=back)
-    rot2 = wrap_angle(turn if "whole-turn" in mistakes else turn - rot1)
+    rot2 = wrap_angle(
+        by_mistake(mistakes, {"whole-turn": turn, "turns-added": turn + rot1}, turn - rot1)
+    )
+    way = by_mistake(mistakes, {"back-ahead": abs(way), "ahead-alone": dx}, way)
     way_hat, rot1_hat, rot2_hat = _noisy((way, rot1, rot2), alphas, len(poses), mistakes, seed)
-    if "spin-moves" in mistakes:
-        way_hat = way_hat + 0.05 * abs(turn)
-    theta = wrap_angle(poses[:, 2] + rot1_hat + rot2_hat)
-    angle = poses[:, 2] + rot1_hat
-    if "new-heading" in mistakes:
-        angle = theta
-    if "old-heading" in mistakes:
-        angle = poses[:, 2]
+    heading = poses[:, 2]
+    thetas = {
+        "turn-plain": wrap_angle(heading + turn),
+        "turn-lost": heading,
+        "one-rotation": wrap_angle(heading + rot2_hat),
+    }
+    whole = wrap_angle(heading + rot1_hat + rot2_hat)
+    theta = by_mistake(mistakes, thetas, whole)
+    angles = {"direction-plain": heading + rot1, "new-heading": whole, "old-heading": heading}
+    angle = by_mistake(mistakes, angles, heading + rot1_hat)
     if "degrees" in mistakes:
         angle = np.radians(angle)
     if "not-turned" in mistakes:
         angle = angle - poses[:, 2]
-    if "one-rotation" in mistakes:
-        theta = wrap_angle(poses[:, 2] + (rot1_hat if "second-lost" in mistakes else rot2_hat))
     x, y = way_hat * np.cos(angle), way_hat * np.sin(angle)
     if "sine-first" in mistakes:
         x, y = y, x
+    if "one-particle" in mistakes:
+        return np.column_stack([poses[0, 0] + x, poses[0, 1] + y, theta])
+    if "place-lost" in mistakes:
+        return np.column_stack([x, y, theta])
     return np.column_stack([poses[:, 0] + x, poses[:, 1] + y, theta])
 
 
@@ -45,6 +68,10 @@ def _first_part(
     way, rot1 = math.hypot(dx, dy), math.atan2(dy, dx)
     if "direction-swapped" in mistakes:
         rot1 = math.atan2(dx, dy)
+    if back and "direction-swapped-back" in mistakes:
+        return -way, math.atan2(-dx, -dy)
+    if back and "half-turned" in mistakes:
+        return -way, math.atan2(dy, dx)
     return (-way, math.atan2(-dy, -dx)) if back else (way, rot1)
 
 
@@ -55,41 +82,16 @@ def _noisy(
     mistakes: frozenset[str],
     seed: int,
 ) -> tuple[Array, Array, Array]:
-    way, rot1, rot2 = step
-    a1, a2, a3, a4 = _alphas(alphas, mistakes)
-    turned_square = rot1**2 + rot2**2
-    if "first-alone" in mistakes:
-        turned_square = rot1**2
-    if "second-alone" in mistakes:
-        turned_square = rot2**2
-    if "sum-squared" in mistakes:
-        turned_square = (rot1 + rot2) ** 2
-    variances = np.array(
-        [
-            a3 * way**2 + a4 * turned_square,
-            a1 * rot1**2 + a2 * way**2,
-            a1 * rot2**2 + a2 * way**2,
-        ]
-    )
-    if "unsquared" in mistakes:
-        turned = abs(rot1) + abs(rot2)
-        variances = np.array(
-            [
-                a3 * abs(way) + a4 * turned,
-                a1 * abs(rot1) + a2 * abs(way),
-                a1 * abs(rot2) + a2 * abs(way),
-            ]
-        )
-    deviations = variances if "variance" in mistakes else np.sqrt(variances)
-    if "absolute" in mistakes:
-        turned = abs(rot1) + abs(rot2)
-        deviations = np.array(
-            [
-                a3 * abs(way) + a4 * turned,
-                a1 * abs(rot1) + a2 * abs(way),
-                a1 * abs(rot2) + a2 * abs(way),
-            ]
-        )
+    deviations = _deviations(step, _alphas(alphas, mistakes), mistakes)
+    for part, name in enumerate(("way", "rot1", "rot2")):
+        if f"no-noise-{name}" in mistakes:
+            deviations[part] = 0.0
+    if "no-noise-rotations" in mistakes:
+        deviations[1:] = 0.0
+    if "spin-noiseless" in mistakes and step[0] == 0:
+        deviations[:] = 0.0
+    if "proportional" in mistakes:
+        deviations = deviations * np.array(step)
     rng = np.random.default_rng(seed)
     noise = rng.standard_normal((3, count))
     if "uniform" in mistakes:
@@ -104,13 +106,48 @@ def _noisy(
     return made[0], made[1], made[2]
 
 
+def _deviations(step: tuple[float, float, float], alphas: Array, mistakes: frozenset[str]) -> Array:
+    """Return standard deviations of way and both rotations."""
+    way, rot1, rot2 = step
+    turned = {
+        "first-alone": rot1**2,
+        "second-alone": rot2**2,
+        "sum-squared": (rot1 + rot2) ** 2,
+    }
+    squares = by_mistake(mistakes, turned, rot1**2 + rot2**2)
+    taken = {
+        "first-twice": (rot1**2, rot1**2),
+        "second-twice": (rot2**2, rot2**2),
+        "turns-exchanged": (rot2**2, rot1**2),
+    }
+    variances = _sums(alphas, way**2, by_mistake(mistakes, taken, (rot1**2, rot2**2)), squares)
+    sizes = abs(way), (abs(rot1), abs(rot2)), abs(rot1) + abs(rot2)
+    if "unsquared" in mistakes:
+        variances = _sums(alphas, *sizes)
+    if "absolute" in mistakes:
+        return _sums(alphas, *sizes)
+    if "deviations-summed" in mistakes:
+        return _sums(np.sqrt(alphas), *sizes)
+    if "turns-rooted" in mistakes:
+        return _sums(np.sqrt(alphas), *sizes[:2], math.hypot(rot1, rot2))
+    plain = [f"variance-{name}" in mistakes for name in ("way", "rot1", "rot2")]
+    deviations: Array = np.where(
+        np.array(plain) | ("variance" in mistakes), variances, np.sqrt(variances)
+    )
+    return deviations
+
+
+def _sums(alphas: Array, way: float, turns: tuple[float, float], turned: float) -> Array:
+    """Return the three sums of the alphas with sizes of way and rotations."""
+    a1, a2, a3, a4 = alphas
+    return np.array([a3 * way + a4 * turned, a1 * turns[0] + a2 * way, a1 * turns[1] + a2 * way])
+
+
 def _alphas(alphas: Array, mistakes: frozenset[str]) -> Array:
     if "no-noise" in mistakes:
         return np.zeros(4)
-    if "alphas-swapped" in mistakes:
-        return alphas[[2, 3, 0, 1]]
-    if "first-two-swapped" in mistakes:
-        return alphas[[1, 0, 2, 3]]
-    if "last-two-swapped" in mistakes:
-        return alphas[[0, 1, 3, 2]]
-    return alphas
+    taken = next((order for name, order in ORDERS.items() if name in mistakes), None)
+    if taken is not None:
+        return alphas[list(taken)]
+    lost = next((part for part in range(4) if f"alpha{part + 1}-lost" in mistakes), None)
+    return alphas if lost is None else np.where(np.arange(4) == lost, 0.0, alphas)

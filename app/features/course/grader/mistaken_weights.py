@@ -8,6 +8,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
+from app.features.course.grader.case import by_mistake
 from robot.geometry import Array
 
 HIT, RANDOM = 0.95, 0.05
@@ -38,12 +39,20 @@ def ends(
         headings = np.radians(headings)
     if "bearings-as-degrees" in mistakes:
         bearings = np.radians(bearings)
+    if "no-bearing" in mistakes:
+        bearings = 0 * bearings
     angles = headings - bearings if "bearing-subtracted" in mistakes else headings + bearings
     if "heading-subtracted" in mistakes:
         angles = bearings - headings
     if "angles-as-degrees" in mistakes:
         angles = np.radians(angles)
     x, y = ranges * np.cos(angles), ranges * np.sin(angles)
+    if "sine-first" in mistakes:
+        x, y = y, x
+    if mistakes & {"x-mirrored", "ray-backwards"}:
+        x = -x
+    if mistakes & {"y-mirrored", "ray-backwards"}:
+        y = -y
     if "place-lost" in mistakes:
         return x, y
     return poses[:, :1] + x, poses[:, 1:2] + y
@@ -58,14 +67,25 @@ def distances(x: Array, y: Array, field: SimpleNamespace, mistakes: frozenset[st
         start = -field.origin
     if "origin-swapped" in mistakes:
         start = field.origin[::-1]
+    if "origin-x-twice" in mistakes:
+        start = field.origin[[0, 0]]
+    if "origin-y-twice" in mistakes:
+        start = field.origin[[1, 1]]
     shift = 0.5 if "rounded" in mistakes else 0.0
     columns = np.floor((x - start[0]) / field.cell + shift).astype(int)
     rows = np.floor((y - start[1]) / field.cell + shift).astype(int)
     if "rows" in mistakes:
         rows, columns = columns, rows
+    row_off, column_off = by_mistake(mistakes, OFF, (0, 0))
+    rows, columns = rows + row_off, columns + column_off
     height, width = field.distances.shape
-    # A mistake may look beyond the map; what it finds there does not matter.
-    result: Array = field.distances[rows % height, columns % width]
+    rows = -rows if "row-negative" in mistakes else rows
+    rows = height - 1 - rows if "upside-down" in mistakes else rows
+    columns = width - 1 - columns if "mirrored" in mistakes else columns
+    if "unclipped" in mistakes:  # what Python finds beyond one side is at the other one
+        beyond: Array = field.distances[rows % height, columns % width]
+        return beyond
+    result: Array = field.distances[rows.clip(0, height - 1), columns.clip(0, width - 1)]
     return result
 
 
@@ -78,7 +98,11 @@ def weights_of(away: Array, sigma: float, mistakes: frozenset[str]) -> Array:
     width = sigma * next((value for name, value in WIDTHS.items() if name in mistakes), 1.0)
     sign = 1.0 if "sign" in mistakes else -1.0
     square = away if "no-square" in mistakes else away**2
-    fit = np.exp(sign * square / (2 * width**2))
+    if "nothing-squared" in mistakes:
+        fit = np.exp(-away / (2 * width))
+    else:
+        fit = np.exp(sign * square / (2 * width**2))
+    fit = away if "no-curve" in mistakes else fit
     if "outliers-inside" in mistakes:
         fit = fit * math.exp(RANDOM) - RANDOM / HIT
     likelihood = fit if "no-outliers" in mistakes or "product" in mistakes else HIT * fit + RANDOM
@@ -102,6 +126,26 @@ def _log_sum(likelihood: Array) -> Array:
     return result
 
 
+OFF: dict[str, tuple[int, int]] = {
+    "row-before": (-1, 0), "row-after": (1, 0), "column-before": (0, -1), "column-after": (0, 1),
+    "cell-before": (-1, -1), "cell-after": (1, 1),
+}  # fmt: skip
+"""Rows and columns by which a cell is missed."""
+
+
+def _shared(likelihood: Array) -> Array:
+    weights = _log_sum(likelihood)
+    shares = np.exp(weights - weights.max())
+    result: Array = shares / shares.sum()
+    return result
+
+
+def _extreme(likelihood: Array, largest: bool) -> Array:
+    logarithms = np.log(likelihood)
+    result: Array = logarithms.max(axis=1) if largest else logarithms.min(axis=1)
+    return result
+
+
 JOINED: dict[str, Callable[[Array], Array]] = {
     "mean": lambda likelihood: _log_sum(likelihood) / likelihood.shape[1],
     "cubed": lambda likelihood: _log_sum(likelihood) / 3,
@@ -110,5 +154,18 @@ JOINED: dict[str, Callable[[Array], Array]] = {
     "plain": lambda likelihood: likelihood.prod(axis=1),
     "plain-product": lambda likelihood: likelihood.prod(axis=1),
     "product": lambda likelihood: np.log(likelihood.prod(axis=1)),
+    "negative": lambda likelihood: -_log_sum(likelihood),
+    "shares": _shared,
+    "log-shares": lambda likelihood: np.log(_shared(likelihood)),
+    "from-best": lambda likelihood: _log_sum(likelihood) - _log_sum(likelihood).max(),
+    "by-best": lambda likelihood: np.exp(_log_sum(likelihood) - _log_sum(likelihood).max()),
+    "largest": lambda likelihood: _extreme(likelihood, largest=True),
+    "smallest": lambda likelihood: _extreme(likelihood, largest=False),
+    "log-ten": lambda likelihood: _log_sum(likelihood) / math.log(10),
+    "log-two": lambda likelihood: _log_sum(likelihood) / math.log(2),
+    "first-ray": lambda likelihood: np.log(likelihood[:, 0]),
+    "last-ray": lambda likelihood: np.log(likelihood[:, -1]),
+    "averaged": lambda likelihood: np.log(likelihood.mean(axis=1)),
+    "plain-mean": lambda likelihood: likelihood.mean(axis=1),
     "late-logarithm": lambda likelihood: np.log(likelihood.prod(axis=1)),
 }

@@ -1,7 +1,8 @@
 """The student's side of the pipe: runs the file, then one function after another, as asked.
 
 What fences the process is told first. The parent asks ``{"function", "arguments", "seed"}``; the
-answer is ``{"result", "after", "linked", "shared"}`` or ``{"error"}``. A function that is offered
+answer is ``{"result", "after", "linked", "shared"}`` or ``{"error"}``. ``{"source"}`` is another
+file, which takes the place of the first. A function that is offered
 to the student's is asked of the parent by ``{"call", "arguments"}``, before the answer.
 """
 
@@ -73,6 +74,12 @@ def main() -> None:
     pipe.send(**_guarded(lambda: _run_file(first["path"], first["source"], module), first["path"]))
     while True:
         request = pipe.receive()
+        if "source" in request:
+            following = ModuleType(STUDENT)
+            sys.modules[STUDENT] = module = following
+            work = lambda: _run_file(first["path"], request["source"], following)  # noqa: B023,E731
+            pipe.send(**_guarded(work, first["path"]))
+            continue
         answer = _guarded(lambda: _call(module, request, pipe), first["path"])  # noqa: B023
         pipe.send(attempt=watch.attempt, **answer)
 

@@ -176,6 +176,8 @@ class StudentProcess:
         arguments: tuple[Any, ...],
         seed: int | None = None,
         offered: Mapping[str, Callable[..., Any]] | None = None,
+        *,
+        seconds: float | None = None,
     ) -> Answer:
         """Call a function of the file.
 
@@ -184,13 +186,15 @@ class StudentProcess:
             arguments: numbers, arrays and namespaces; ``OFFERED + name`` stands for a function.
             seed: of the generator that is the last argument; None is no generator.
             offered: functions that the student's may call, by name; they run here.
+            seconds: how long it may compute [s]; None is as long as a file of its kind may.
 
         Raises:
             StudentError: there is no result.
         """
         self.broken = True
         self._send({"function": function, "arguments": list(arguments), "seed": seed})
-        limit = Limit(self._custody.usage, COMPILING_S if compiles(self.source) else QUICK_S)
+        usual = COMPILING_S if compiles(self.source) else QUICK_S
+        limit = Limit(self._custody.usage, seconds or usual)
         for _ in range(MOST_CALLS):
             answer = self._message(limit)
             self.broken = "call" in answer
@@ -201,6 +205,17 @@ class StudentProcess:
                 return _checked(answer)
             self._send({"result": _served(answer, offered or {})})
         raise StudentError(f"calls more than {MOST_CALLS} functions", fatal=True)
+
+    def replace(self, source: str) -> None:
+        """Run another file in the same process, in place of the one before.
+
+        Raises:
+            StudentError: it has no functions.
+        """
+        self.broken = True
+        self._send({"source": source})
+        self.names = _words(self._message(Limit(self._custody.usage, QUICK_S)), "names")
+        self.broken = False
 
     def _send(self, message: Mapping[str, Any]) -> None:
         assert self._process.stdin is not None

@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
+from app.features.course.grader.causes.areas import AREAS
 from app.features.course.grader.causes.cause import Cause
 from app.features.course.grader.causes.filter import FILTER
 from app.features.course.grader.causes.motion import MOTION
 from app.features.course.grader.causes.sensor import SENSOR
+from app.features.course.grader.causes.slips import SLIPS
 from app.features.course.grader.causes.steering import STEERING
 
 ANY = {
@@ -44,7 +46,9 @@ ANY = {
     ),
 }
 
-CAUSES: Mapping[str, Cause] = MappingProxyType(MOTION | SENSOR | FILTER | STEERING | ANY)
+CAUSES: Mapping[str, Cause] = MappingProxyType(
+    MOTION | SENSOR | FILTER | STEERING | SLIPS | AREAS | ANY
+)
 """All causes by code."""
 
 

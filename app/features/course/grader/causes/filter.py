@@ -45,6 +45,11 @@ FILTER = {
         "A heading, or a difference of headings, is not brought back to -π to π.",
         "(angle + π) % (2 π) - π wraps an angle.",
     ),
+    "wrap-half": Cause(
+        "The robot suddenly looks the other way.",
+        "Headings are brought back by half a turn, π, instead of a whole one.",
+        "A full circle is 2 π: (angle + π) % (2 π) - π wraps an angle.",
+    ),
     "generator": Cause(
         "No run can be repeated.",
         "Chance comes from elsewhere than the generator that was given.",
@@ -74,6 +79,61 @@ FILTER = {
         "The cloud follows the weights too much, or too little.",
         "Something else than the weight decides: a square or a root of it.",
         "A particle with twice the weight gets twice the copies.",
+    ),
+    "threshold": Cause(
+        "It resamples at the wrong time.",
+        "The effective sample size is compared with something else than half the particles.",
+        "Of 4 particles, 1.8 is too few and 2.2 is enough.",
+    ),
+    "counts-twice": Cause(
+        "The filter is too sure of itself, and soon of a wrong place.",
+        "Something counts twice in one round: the scan, the old weights, or the step.",
+        "Move once, weigh once, multiply once.",
+    ),
+    "moves-standing": Cause(
+        "While the robot stands the cloud moves all the same.",
+        "The particles are moved before it is asked whether the robot stands.",
+        "Return what you got if the robot has not moved: poses and weights.",
+    ),
+    "log-returned": Cause(
+        "The next round takes logarithms for weights.",
+        "The logarithms of the weights are returned.",
+        "exp makes weights of them; let their sum be 1.",
+    ),
+    "not-even": Cause(
+        "Robots in some parts of the field are hardly ever found.",
+        "The particles do not lie evenly: some parts have more than others.",
+        "Each place and each heading is as likely as any other: that is rng.uniform.",
+    ),
+    "all-alike": Cause(
+        "All particles are in the same place.",
+        "One pose is drawn, and used for all.",
+        "Draw count values for each of x, y and heading.",
+    ),
+    "xy": Cause(
+        "Places are mirrored at the diagonal.",
+        "x and y are exchanged.",
+        "x counts from left to right, y from bottom to top.",
+    ),
+    "too-few": Cause(
+        "The estimate jumps.",
+        "Particles that belong to the place are left out.",
+        "All within 0.1 m and 0.5 rad of the heaviest belong to it, each by its weight.",
+    ),
+    "half-arctan": Cause(
+        "A robot that looks backwards is said to look ahead.",
+        "The angle is the arctangent of a ratio, which knows half of the circle only.",
+        "arctan2(y, x) tells all four quarters apart.",
+    ),
+    "one-replaced": Cause(
+        "A robot that was carried off is found very late.",
+        "Only one particle is new, however many are due.",
+        "Each particle is replaced by itself: which index does the new one get?",
+    ),
+    "heading-of-one": Cause(
+        "The estimate's heading jumps from scan to scan.",
+        "The heading is that of one particle, and not a mean.",
+        "Average the headings of all that belong to the place, as cosine and sine, by weight.",
     ),
     "weights": Cause(
         "The weights mean nothing after resampling.",
@@ -122,7 +182,7 @@ FILTER = {
     ),
     "no-resampling": Cause(
         "In the end one particle has all the weight.",
-        "It never resamples.",
+        "It never resamples, or much too late.",
         "Resample when the effective sample size is below half of the particles. Print it: if one "
         "weight is 1 and the others are 0, it is 1.",
     ),
@@ -180,7 +240,8 @@ FILTER = {
     ),
     "ratio": Cause(
         "New particles come at the wrong time.",
-        "The share is not 1 - fast / slow.",
+        "The share of new particles is not 1 - fast / slow: by another formula, or because a "
+        "comparison is the wrong way round.",
         "All is well when both memories are equal, or the fast one is larger: then the share is 0.",
     ),
     "memory": Cause(
@@ -252,6 +313,16 @@ FILTER = {
         "The belief becomes too sure while driving.",
         "The step adds no variance.",
         "Each step is a little wrong: its variance is added.",
+    ),
+    "look-first": Cause(
+        "The look is compared with where the robot was before.",
+        "The look comes before the step.",
+        "First the step, then the look.",
+    ),
+    "no-difference": Cause(
+        "The belief runs away.",
+        "What is seen is added, not how far it is from what was believed.",
+        "If the place that is seen is the believed one, nothing is to be corrected.",
     ),
     "never-surer": Cause(
         "However often it looks, it never becomes surer.",

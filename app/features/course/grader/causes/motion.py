@@ -34,6 +34,46 @@ MOTION = {
         "All particles get the same noise, or none.",
         "Draw one random number for each particle: rng.standard_normal(len(poses)).",
     ),
+    "turn-lost": Cause(
+        "The robot never turns, whatever its wheels do.",
+        "The heading that comes back is the one from before.",
+        "The new heading is the old one plus the turn.",
+    ),
+    "turn-summed": Cause(
+        "Driving straight ahead turns the robot.",
+        "The turn is made of the sum of the wheels' ways, not of their difference.",
+        "If both wheels roll alike, how far does the robot turn?",
+    ),
+    "axis-lost": Cause(
+        "The robot never leaves a line.",
+        "One of x and y stays as it was.",
+        "A way has a part along x and one along y: cosine and sine of the heading.",
+    ),
+    "spin-noiseless": Cause(
+        "The cloud does not spread while the robot turns on the spot.",
+        "A step without a way has no noise.",
+        "A turn on the spot slips, too: alpha1 is for that. Draw noise for each step.",
+    ),
+    "noise-lost": Cause(
+        "The cloud is too narrow in one direction.",
+        "One of rotation, way and rotation has no noise, or its noise is not used.",
+        "Three random numbers for each particle: follow each of them to the result.",
+    ),
+    "one-particle": Cause(
+        "The cloud shrinks to a single place at each step.",
+        "All particles move from the place of one of them.",
+        "Each particle moves from its own place: poses[:, 0] and poses[:, 1].",
+    ),
+    "back-ahead": Cause(
+        "Backing drives the cloud ahead.",
+        "A step backwards has a positive way.",
+        "For a step with dx < 0 let the way be negative.",
+    ),
+    "way-length": Cause(
+        "On arcs the cloud does not come far enough.",
+        "The way is not the length of the step.",
+        "The step goes dx ahead and dy to the side: how long is that?",
+    ),
     "old-heading": Cause(
         "On arcs the path drifts outwards.",
         "The way is taken along the heading before the turn.",

@@ -62,6 +62,62 @@ SENSOR = {
         "The 0.05 for rays that end anywhere is missing, or inside the exponential.",
         "Each ray's likelihood is 0.95 times the bell curve, plus 0.05.",
     ),
+    "beyond": Cause(
+        "A ray that ends beyond the field stops the program, or counts at the field's other side.",
+        "The index of a cell is not kept within the field.",
+        "Count such an end at the nearest cell: np.clip(row, 0, rows - 1), and columns likewise. "
+        "Index -1 is the last one.",
+    ),
+    "hit-share": Cause(
+        "The weights differ too much, or too little.",
+        "The shares of rays that end at the tape and anywhere are not 0.95 and 0.05.",
+        "Each ray's likelihood is 0.95 times the bell curve, plus 0.05.",
+    ),
+    "bearings-lost": Cause(
+        "All rays of a scan point the same way.",
+        "The bearings of the rays make no difference.",
+        "A ray leaves the particle at its heading plus the ray's own bearing.",
+    ),
+    "ray-sign": Cause(
+        "The rays end behind the robot, or mirrored.",
+        "The way along a ray is subtracted, in x or in y or in both.",
+        "A ray ends at the particle's place plus range times cosine, plus range times sine.",
+    ),
+    "map-turned": Cause(
+        "The scan fits at a mirrored place.",
+        "The map is turned over: rows are counted from the top, or columns from the right.",
+        "Row 0 is at the bottom, where y is field.origin[1]; rows grow with y.",
+    ),
+    "cell-off": Cause(
+        "The cloud is shifted by a cell.",
+        "The cell is one beside the one that holds the end of the ray.",
+        "The end at field.origin lies in cell 0, and a cell further in cell 1.",
+    ),
+    "no-curve": Cause(
+        "What is far away from the tape counts more.",
+        "The distance itself is used as the fit, without the bell curve.",
+        "The fit is exp of minus distance² / (2 sigma²): 1 at the tape, 0 far away.",
+    ),
+    "log-sign": Cause(
+        "The worst particles win.",
+        "The logarithm has the wrong sign.",
+        "A log-likelihood is negative: the logarithm of a number below 1.",
+    ),
+    "shared": Cause(
+        "The next lesson cannot use the weights: their size is lost.",
+        "The log-weights are compared with each other already, or made to sum to one.",
+        "Return the sum of the logarithms itself; the loop of lesson 6 does the rest.",
+    ),
+    "one-ray": Cause(
+        "All rays but one make no difference.",
+        "Only one ray of the scan counts: the best, the worst, the first or the last.",
+        "All rays together: their logarithms are added.",
+    ),
+    "log-base": Cause(
+        "All weights are too small, or too large, by the same factor.",
+        "The logarithm has another base.",
+        "np.log is the natural logarithm, which exp undoes.",
+    ),
     "density": Cause(
         "Rays count more than they should.",
         "The bell curve is divided by its area.",
@@ -146,6 +202,51 @@ SENSOR = {
         "What is seen at the side lies at a wrong place.",
         "The part of the ray to the side is not made longer by the same factor as the others.",
         "A ray that becomes three times as long goes three times as far to the side, too.",
+    ),
+    "sky": Cause(
+        "What is above the horizon seems to lie on the floor.",
+        "Above the horizon something else than an infinite range is returned.",
+        "Return math.inf as the range there, with any bearing that is a number.",
+    ),
+    "cartesian": Cause(
+        "Rays point anywhere.",
+        "Ahead and to the side are returned, x and y, in place of bearing and range.",
+        "Bearing and range of a point: arctan2(y, x), and its distance from the axle.",
+    ),
+    "height-lost": Cause(
+        "All ranges are too long by the same factor.",
+        "The camera's height makes no difference.",
+        "A ray falls by camera.height until it meets the floor: how long does it take for that?",
+    ),
+    "from-camera": Cause(
+        "Bearing and range belong to different places.",
+        "One of them counts from the axle, the other one from the camera.",
+        "First the point on the floor, seen from the axle: x and y. Then both of that point.",
+    ),
+    "bearing-in-picture": Cause(
+        "What lies at the side is seen too far ahead.",
+        "The bearing is that in the picture, as if the camera looked straight ahead from the axle.",
+        "Work out the point on the floor first; the bearing is that of its x and y.",
+    ),
+    "no-arctan": Cause(
+        "Bearings are too large at the sides.",
+        "The bearing is a ratio of sides, not an angle.",
+        "arctan2 makes an angle of y and x.",
+    ),
+    "no-root": Cause(
+        "What is near seems nearer, and what is far farther.",
+        "The range is the sum of squares, without its root.",
+        "hypot(x, y) is the root of the sum of squares.",
+    ),
+    "pixel-axes": Cause(
+        "The picture lies on its side.",
+        "u and v, or the middles u0 and v0, are exchanged.",
+        "u counts to the right from u0, v counts down from v0.",
+    ),
+    "pixels-as-angles": Cause(
+        "It is right in the middle of the picture, and less so towards its edges.",
+        "Pixels are taken for angles: twice as far is twice the angle.",
+        "A pixel's angle has the tangent pixels / focal.",
     ),
     "offset-late": Cause(
         "Straight ahead all is right, to the side it is not.",

@@ -9,7 +9,7 @@ import numpy as np
 
 from app.features.course.grader.case import Case, Checks, Hypothesis, Outcome, Sign
 from app.features.course.grader.drawing import draw_poses
-from app.features.course.grader.forms import array_of, heading_sign, pose_features
+from app.features.course.grader.forms import array_of, heading_signs, pose_features
 from app.features.course.grader.words import Words
 from robot.geometry import Array, wrap_angle
 
@@ -24,6 +24,7 @@ STEPS: tuple[tuple[str, str, float, float], ...] = (
     ("arc", "An arc to the left: left {left} mm, right {right} mm.", 0.026, 0.031),
     ("arc", "An arc to the right: left {left} mm, right {right} mm.", 0.03, 0.0255),
     ("arc", "An arc backwards: left {left} mm, right {right} mm.", -0.022, -0.027),
+    ("arc", "A slight arc: left {left} mm, right {right} mm.", 0.03, 0.0306),
     ("arc", "Only the right wheel rolls: {right} mm.", 0.0, 0.005),
     ("arc", "Only the left wheel rolls: {left} mm.", 0.0048, 0.0),
 )
@@ -88,6 +89,13 @@ def expected(case: Case, mistakes: frozenset[str]) -> Array:
     pose, left, right, track = case.arguments
     way, turn = _way(left, right, mistakes), (right - left) / track
     turn = right - left / track if "right-whole" in mistakes else turn
+    if "turn-summed" in mistakes:
+        turn = (right + left) / track
+    if "turn-times-track" in mistakes:
+        turn = (right - left) * track
+    if "turn-undivided" in mistakes:
+        turn = right - left
+    turn = abs(turn) if "turn-one-way" in mistakes else turn
     turn *= next((share for name, share in TURNS.items() if name in mistakes), 1.0)
     ahead = next((share for name, share in DIRECTIONS.items() if name in mistakes), 0.5)
     direction = pose[2] + ahead * turn
@@ -95,12 +103,18 @@ def expected(case: Case, mistakes: frozenset[str]) -> Array:
         direction -= pose[2]
     if "degrees" in mistakes:
         direction = math.radians(direction)
-    x, y = way * math.cos(direction), way * math.sin(direction)
+    along_x = pose[2] if "old-heading-x" in mistakes else direction
+    along_y = pose[2] if "old-heading-y" in mistakes else direction
+    x, y = way * math.cos(along_x), way * math.sin(along_y)
     if "sine-first" in mistakes:
         x, y = y, x
     if "from-zero" in mistakes:
         return np.array([x, y, math.cos(pose[2] + turn), math.sin(pose[2] + turn)])
     theta = turn if "heading-lost" in mistakes else pose[2] + turn
+    theta = pose[2] if "turn-lost" in mistakes else theta
+    x = 0.0 if "x-kept" in mistakes else x
+    y = 0.0 if "y-kept" in mistakes else y
+    y = -y if "sine-negative" in mistakes else y
     return np.array([pose[0] + x, pose[1] + y, math.cos(theta), math.sin(theta)])
 
 
@@ -111,14 +125,31 @@ def _way(left: float, right: float, mistakes: frozenset[str]) -> float:
 
 def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
     """What shows by itself: headings out of range, spins that move, arcs in a wrong direction."""
-    for outcome in outcomes:
-        yield from heading_sign(outcome, array_of(outcome.result, (3,))[None])
+    wrong = [item for item in outcomes if not _right(item)]
+    if wrong and all(_turned_round(item) for item in wrong):
+        yield Sign("wrap-half", wrong[0])
+    yield from heading_signs(outcomes, [array_of(item.result, (3,))[None] for item in outcomes])
     spins = [item for item in outcomes if item.case.kind == "spin" and _moved(item) > 1e-4]
-    if spins:
-        yield Sign("M4", spins[0])
+    if spins and all(_right(item) for item in outcomes[:1]):
+        yield Sign("M4", spins[0], weak=True)
     arcs = [item for item in outcomes if item.case.kind == "arc"]
     if arcs and not spins and all(abs(_ahead(item) - 1.0) < 0.2 for item in arcs):
-        yield Sign("M2", arcs[0])
+        yield Sign("M2", arcs[0], weak=True)
+    if wrong:
+        apart = np.abs(features(wrong[0]) - expected(wrong[0].case, frozenset())) < TOLERANCE
+        place, heading = bool(apart[:2].all()), bool(apart[2:].all())
+        area = "place" if heading else "heading" if place else "step"
+        yield Sign(area, wrong[0], weak=True)
+
+
+def _right(outcome: Outcome) -> bool:
+    return bool((np.abs(features(outcome) - expected(outcome.case, frozenset())) < TOLERANCE).all())
+
+
+def _turned_round(outcome: Outcome) -> bool:
+    """Return whether only the heading is wrong, and looks the other way."""
+    given, due = features(outcome), expected(outcome.case, frozenset())
+    return bool((np.abs(given - due * [1, 1, -1, -1]) < TOLERANCE).all())
 
 
 def _moved(outcome: Outcome) -> float:
@@ -180,6 +211,16 @@ CHECKS = Checks(
         Hypothesis("sine-first", "sine"),
         Hypothesis("from-zero", "start-lost"),
         Hypothesis("heading-lost", "start-lost"),
+        Hypothesis("old-heading-x", "old-heading"),
+        Hypothesis("old-heading-y", "old-heading"),
+        Hypothesis("turn-lost", "turn-lost"),
+        Hypothesis("x-kept", "axis-lost"),
+        Hypothesis("y-kept", "axis-lost"),
+        Hypothesis("sine-negative", "slip-sign", broad=True),
+        Hypothesis("turn-summed", "turn-summed", frozenset(TURNS)),
+        Hypothesis("turn-times-track", "track", frozenset(TURNS)),
+        Hypothesis("turn-undivided", "track", frozenset(TURNS)),
+        Hypothesis("turn-one-way", "turn-sign", frozenset(TURNS)),
     ),
     signs=signs,
     show=show,

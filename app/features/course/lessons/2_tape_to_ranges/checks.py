@@ -8,7 +8,14 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from app.features.course.grader.case import Case, Checks, Hypothesis, Outcome, Sign
+from app.features.course.grader.case import (
+    Case,
+    Checks,
+    Hypothesis,
+    Outcome,
+    Sign,
+    by_mistake,
+)
 from app.features.course.grader.drawing import draw_poses
 from app.features.course.grader.forms import array_of
 from app.features.course.grader.words import Words
@@ -81,33 +88,66 @@ def expected(case: Case, mistakes: frozenset[str]) -> Array:
     """Bearing and range that formulas with mistakes give."""
     u, v, camera = case.arguments
     right, down = _on_plane(u, v, camera, mistakes)
-    tilt = math.radians(camera.tilt)
-    tilt = camera.tilt if "tilt-in-degrees" in mistakes else tilt
-    tilt = math.degrees(camera.tilt) if "tilt-to-degrees" in mistakes else tilt
-    tilt = -tilt if "tilted-up" in mistakes else tilt
-    tilt = 0.0 if "level" in mistakes else tilt
-    tilt = math.pi / 2 - tilt if "from-below" in mistakes else tilt
-    c, s = math.cos(tilt), math.sin(tilt)
-    fall = s + c * down
+    c, s = _turned(camera.tilt, mistakes)
+    fall = s - c * down if "fall-sign" in mistakes else s + c * down
     if "horizon-early" in mistakes and v < camera.v0:
+        return FAR
+    if "horizon-middle" in mistakes and v <= camera.v0:
         return FAR
     if abs(fall) < 1e-12 or (fall < 0 and "horizon" not in mistakes):
         return FAR
-    scale = camera.height / fall
+    scale = (1.0 if "height-lost" in mistakes else camera.height) / fall
     ahead = c + s * down if "turned-back" in mistakes else c - s * down
-    x, y = scale * ahead, -right if "side-short" in mistakes else -scale * right
-    if "mirrored" in mistakes:
-        y = -y
-    offsets = {"no-offset": 0.0, "backwards": -camera.forward}
-    x += next((value for name, value in offsets.items() if name in mistakes), camera.forward)
-    slant = camera.height if "slanted" in mistakes else 0.0
-    bearing = math.atan2(x, y) if "swapped" in mistakes else math.atan2(y, x)
-    if "bearing-in-degrees" in mistakes:
-        bearing = math.degrees(bearing)
-    far = x if "only-ahead" in mistakes else math.sqrt(x * x + y * y + slant * slant)
+    sides = {"side-short": -right, "side-along-floor": -scale * ahead * right}
+    side = by_mistake(mistakes, sides, -scale * right)
+    side = -side if "mirrored" in mistakes else side
+    return _bearing_and_range(scale * ahead, side, right, camera, mistakes)
+
+
+def _turned(tilt: float, mistakes: frozenset[str]) -> tuple[float, float]:
+    """Return cosine and sine of how far the camera looks down."""
+    down = math.radians(tilt)
+    tilts = {
+        "tilt-in-degrees": tilt,
+        "tilt-to-degrees": math.degrees(tilt),
+        "tilted-up": -down,
+        "level": 0.0,
+        "from-below": math.pi / 2 - down,
+    }
+    down = by_mistake(mistakes, tilts, down)
+    return math.cos(down), math.sin(down)
+
+
+def _bearing_and_range(
+    ahead: float, y: float, right: float, camera: SimpleNamespace, mistakes: frozenset[str]
+) -> Array:
+    """Return what is told of a point that lies ahead of the camera, and y to the left."""
+    x = ahead + by_mistake(
+        mistakes, {"no-offset": 0.0, "backwards": -camera.forward}, camera.forward
+    )
+    if "cartesian" in mistakes:
+        return np.array([x, y])
     if "offset-late" in mistakes:
         x -= camera.forward
-        bearing, far = math.atan2(y, x), math.hypot(x, y) + camera.forward
+    bearings = {
+        "from-camera": math.atan2(y, ahead),
+        "bearing-in-picture": -math.atan(right),
+        "no-arctan": y / x if x else math.inf,
+        "swapped": math.atan2(x, y),
+    }
+    bearing = by_mistake(mistakes, bearings, math.atan2(y, x))
+    if "bearing-in-degrees" in mistakes:
+        bearing = math.degrees(bearing)
+    slant = camera.height if "slanted" in mistakes else 0.0
+    ranges = {
+        "only-ahead": x,
+        "no-root": x * x + y * y,
+        "slanted-from-camera": math.sqrt(ahead * ahead + y * y + camera.height**2),
+        "range-from-camera": math.hypot(ahead, y),
+        "range-ahead-of-camera": ahead,
+        "offset-late": math.hypot(x, y) + camera.forward,
+    }
+    far = by_mistake(mistakes, ranges, math.sqrt(x * x + y * y + slant * slant))
     if "exchanged" in mistakes:
         bearing, far = far, bearing
     return np.array([bearing, far]) + 0.0
@@ -119,12 +159,25 @@ def _on_plane(
     """Return how far right and down the ray is, one unit ahead of the lens."""
     u0, v0 = (0.0, 0.0) if "corner" in mistakes else (camera.u0, camera.v0)
     focal = 1.0 if "no-focal-length" in mistakes else camera.focal
-    right, down = (u - u0) / focal, (v - v0) / focal
+    if "axes-exchanged" in mistakes:
+        u, v = v, u
+    if "middles-exchanged" in mistakes:
+        u0, v0 = v0, u0
+    right = (u - u0) / (1.0 if "focal-v-alone" in mistakes else focal)
+    down = (v - v0) / (1.0 if "focal-u-alone" in mistakes else focal)
+    if "pixels-as-angles" in mistakes:
+        right, down = math.tan(right), math.tan(down)
+    if "rows-as-angles" in mistakes:
+        down = math.tan(down)
     return right, -down if "upside-down" in mistakes else down
 
 
 def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
-    """The offset shows by itself: ahead, ranges are short by it, whatever else is wrong."""
+    """What shows by itself: the sky's range; the offset, by which ranges ahead are short."""
+    wrong = [item for item in outcomes if not np.allclose(features(item), _due(item), atol=1e-7)]
+    if wrong and all(item.case.kind == "sky" for item in wrong):
+        yield Sign("sky", wrong[0])
+        return
     for outcome in outcomes:
         _, _, camera = outcome.case.arguments
         if outcome.case.kind in ("middle", "column"):
@@ -133,6 +186,13 @@ def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
             if abs(far - due + camera.forward) < 1e-6:
                 yield Sign("S9", outcome)
                 return
+    if wrong:
+        bearing, far = np.abs(features(wrong[0]) - _due(wrong[0])) < TOLERANCE
+        yield Sign("range" if bearing else "bearing" if far else "point", wrong[0], weak=True)
+
+
+def _due(outcome: Outcome) -> Array:
+    return expected(outcome.case, frozenset())
 
 
 def show(_case: Case, values: Array) -> str:
@@ -181,6 +241,24 @@ CHECKS = Checks(
         Hypothesis("side-short", "side"),
         Hypothesis("horizon-early", "horizon-early", frozenset(["horizon"])),
         Hypothesis("exchanged", "exchanged"),
+        Hypothesis("cartesian", "cartesian"),
+        Hypothesis("horizon-middle", "horizon-early", frozenset(["horizon"])),
+        Hypothesis("fall-sign", "rotation"),
+        Hypothesis("height-lost", "height-lost"),
+        Hypothesis("side-along-floor", "side"),
+        Hypothesis("from-camera", "from-camera"),
+        Hypothesis("range-from-camera", "from-camera"),
+        Hypothesis("range-ahead-of-camera", "slant"),
+        Hypothesis("slanted-from-camera", "slant"),
+        Hypothesis("bearing-in-picture", "bearing-in-picture"),
+        Hypothesis("no-arctan", "no-arctan"),
+        Hypothesis("no-root", "no-root"),
+        Hypothesis("axes-exchanged", "pixel-axes"),
+        Hypothesis("middles-exchanged", "pixel-axes"),
+        Hypothesis("focal-v-alone", "focal"),
+        Hypothesis("focal-u-alone", "focal"),
+        Hypothesis("pixels-as-angles", "pixels-as-angles"),
+        Hypothesis("rows-as-angles", "pixels-as-angles"),
     ),
     signs=signs,
     show=show,

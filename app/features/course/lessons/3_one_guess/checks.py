@@ -16,6 +16,7 @@ from app.features.course.grader.mistaken_weights import (
     INVERSES,
     JOINED,
     NARROW,
+    OFF,
     RANDOM,
     SIGMA,
     WIDE,
@@ -33,8 +34,10 @@ SQUARE = np.array([0.7, 0.8, 0.0])
 """Middle of the dashboard's square, whose lower side is where the lesson's is."""
 QUARTERS = np.array([0.0, 1.0, 2.0, -1.0]) * math.pi / 2
 STARTS = frozenset(["origin-ignored", "origin-added", "origin-swapped"])
-PRODUCTS = ("product", "late-logarithm", "plain-product")
+PRODUCTS = ("product", "late-logarithm")
 JOINTS = frozenset([*JOINED, *INVERSES])
+CUT_ROW, CUT_COLUMN = 35, 85
+"""Where a field is cut so that its tape lies at its border, at the bottom and at the right."""
 
 
 def cases(seed: int) -> list[Case]:
@@ -48,6 +51,7 @@ def cases(seed: int) -> list[Case]:
     made.append(_headings(field))
     made += [_any_pose(field, rng, rays, kind) for rays, kind in ((3, "few"), (20, "few"))]
     made.append(_any_pose(field, rng, 12, "no-return"))
+    made += [_beyond(field, *ray) for ray in ((-math.pi / 2, 0.66), (0.0, 0.46))]
     made.append(_lattice(field, rng, 24, "particles"))
     made.append(_lattice(field, rng, 600, "many"))
     return made
@@ -59,6 +63,7 @@ def _case(poses: Array, scan: tuple[Array, Array], field: SimpleNamespace, kind:
         "headings": "Four guesses in one place that look north, west, south and east.",
         "few": "One guess and {rays} rays.",
         "no-return": "One guess and {rays} rays; some of them saw no tape and are infinite.",
+        "beyond": "One guess, one ray, whose end is beyond the field's border, near tape.",
         "particles": "{count} guesses and {rays} rays.",
         "many": "{count} guesses and {rays} rays, as a good camera has them.",
     }[kind]
@@ -66,7 +71,19 @@ def _case(poses: Array, scan: tuple[Array, Array], field: SimpleNamespace, kind:
     away = distances(*ends(poses, scan[0][seen], scan[1][seen], REFERENCE), field, REFERENCE)
     values = {"count": len(poses), "rays": len(scan[0]), "distance": f"{1000 * away[0, 0]:.0f}"}
     arguments = (poses, *scan, field, SIGMA)
-    return Case("log_weight", arguments, Words(text, values), kind, TOLERANCE)
+    error = "beyond" if kind == "beyond" else ""
+    return Case("log_weight", arguments, Words(text, values), kind, TOLERANCE, on_error=error)
+
+
+def _beyond(field: SimpleNamespace, heading: float, far: float) -> Case:
+    """Let a ray end beyond the border of a field that ends at its tape."""
+    cut = SimpleNamespace(
+        distances=field.distances[CUT_ROW:, :CUT_COLUMN].copy(),
+        origin=field.origin + CELL * np.array([0, CUT_ROW]),
+        cell=field.cell,
+    )
+    pose = np.array([[0.71, 0.81, heading]])
+    return _case(pose, (np.zeros(1), np.array([far])), cut, "beyond")
 
 
 def _one_ray(field: SimpleNamespace, distance: float) -> Case:
@@ -121,7 +138,23 @@ def expected(case: Case, mistakes: frozenset[str]) -> Array:
     # An infinite range that is kept ends at the map's border, or wherever else no tape is.
     kept = (~seen).sum() if "far-away" in mistakes else 0
     weights += math.log(RANDOM) * kept
+    if "zero-range" in mistakes and kept_out(seen):
+        clearances = distances(poses[:, :1], poses[:, 1:2], field, REFERENCE)
+        weights = weights + weights_of(clearances, sigma, REFERENCE) * (~seen).sum()
+    if "stops-early" in mistakes and kept_out(seen):
+        first = int(np.flatnonzero(~seen)[0])
+        weights = weights_of(away[:, :first], sigma, mistakes) if first else np.zeros(len(poses))
     return weights
+
+
+def kept_out(seen: Array) -> bool:
+    """Return whether a scan has rays without a return."""
+    return not seen.all()
+
+
+def _right(outcome: Outcome) -> bool:
+    due = expected(outcome.case, REFERENCE)
+    return bool(np.allclose(features(outcome), due, rtol=0, atol=TOLERANCE))
 
 
 def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
@@ -130,23 +163,56 @@ def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
     if spread and all(np.ptp(features(item)) == 0 for item in spread):
         yield Sign("S7", spread[0])
         return
+    wrong = [item for item in outcomes if not _right(item)]
+    for kind, cause in (("no-return", "no-return"), ("beyond", "beyond")):
+        if wrong and all(item.case.kind == kind for item in wrong):
+            yield Sign(cause, wrong[0])
+            return
+    one_right = all(item.case.kind != "one" for item in wrong)
+    yield from _shares(outcomes)
     yield from _underflow(outcomes)
     for item in outcomes:
         given = features(item)
-        if item.case.kind == "headings" and np.isfinite(given).all() and np.ptp(given) < 1e-12:
+        alike = np.isfinite(given).all() and np.ptp(given) < 1e-12
+        if one_right and item.case.kind == "headings" and alike:
             yield Sign("S6", item)
         if item.case.kind == "particles" and _is_inverse(item, given):
             yield Sign("S3", item)
         if item.case.kind == "no-return" and not np.isfinite(given).all():
             yield Sign("no-return", item)
     yield from _narrow(outcomes)
+    if wrong:
+        area = {"one": "curve", "headings": "ends"}.get(wrong[0].case.kind, "joined")
+        yield Sign(area, wrong[0], weak=True)
 
 
 def _underflow(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
     for item in outcomes:
         given = features(item)
         if item.case.kind == "many" and (np.isneginf(given).any() or (given == 0).any()):
-            yield Sign("S1", item)
+            yield Sign("S1", item, weak=True)
+
+
+def _shares(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
+    """Work out which shares of hits and of others single rays mean, if the curve is right."""
+    rays = [item for item in outcomes if item.case.kind == "one"]
+    if len(rays) < 4:
+        return
+    fits = np.exp(-((np.array([_one_distance(item) for item in rays]) / SIGMA) ** 2) / 2)
+    with np.errstate(all="ignore"):
+        given = np.exp(np.array([features(item)[0] for item in rays]))
+    if not np.isfinite(given).all():
+        return
+    model = np.column_stack([fits, np.ones(len(fits))])
+    shares, *_ = np.linalg.lstsq(model, given, rcond=None)
+    exact = np.abs(model @ shares - given).max() < 1e-9
+    if exact and abs(shares[0]) > 1e-3 and np.abs(shares - [HIT, RANDOM]).max() > 1e-6:
+        text = "A ray has the likelihood {hit} times the curve plus {other}; 0.95 and 0.05 are due."
+        values = {"hit": f"{shares[0]:.3g}", "other": f"{shares[1]:.3g}"}
+        lost = abs(shares[1]) < 1e-9
+        yield Sign(
+            "outliers" if lost else "hit-share", rays[0], note=Words(text, values), weak=True
+        )
 
 
 def _is_inverse(outcome: Outcome, given: Array) -> bool:
@@ -174,7 +240,15 @@ def _narrow(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
         width = widths.mean() if clear.any() else SIGMA
         fits = np.abs(shares - np.exp(-((away / width) ** 2) / 2)) < 1e-5
     if clear.any() and width < 0.97 * SIGMA and fits.all():
-        yield Sign("S8", rays[0])
+        yield Sign("S8", rays[0], weak=not all(_as_narrow(item, width) for item in outcomes))
+
+
+def _as_narrow(outcome: Outcome, width: float) -> bool:
+    """Return whether log-weights are those of another sigma [m]."""
+    poses, bearings, ranges, field, _ = outcome.case.arguments
+    seen = np.isfinite(ranges)
+    away = distances(*ends(poses, bearings[seen], ranges[seen], REFERENCE), field, REFERENCE)
+    return bool(np.allclose(features(outcome), weights_of(away, width, REFERENCE), atol=1e-3))
 
 
 def _one_distance(outcome: Outcome) -> float:
@@ -214,6 +288,7 @@ CHECKS = Checks(
         *(Hypothesis(name, "S3", JOINTS) for name in INVERSES),
         *(Hypothesis(name, "S1", JOINTS, "many") for name in PRODUCTS),
         Hypothesis("plain", "no-logarithm", JOINTS),
+        Hypothesis("unclipped", "beyond", kind="beyond"),
         *(Hypothesis(f"{name}-as-degrees", "S4") for name in ("heading", "bearings", "angles")),
         *(Hypothesis(name, "outliers") for name in ("no-outliers", "only-hits", "outliers-inside")),
         Hypothesis("normal-density", "density"),
@@ -227,6 +302,30 @@ CHECKS = Checks(
         Hypothesis("bearing-subtracted", "bearing-sign"),
         Hypothesis("heading-subtracted", "heading-sign"),
         Hypothesis("place-lost", "place-lost"),
+        Hypothesis("no-bearing", "bearings-lost"),
+        Hypothesis("sine-first", "sine"),
+        *(Hypothesis(name, "ray-sign") for name in ("ray-backwards", "x-mirrored", "y-mirrored")),
+        *(Hypothesis(name, "map-turned") for name in ("upside-down", "row-negative", "mirrored")),
+        *(Hypothesis(name, "cell-off", frozenset(OFF)) for name in OFF),
+        Hypothesis("origin-x-twice", "S5", STARTS),
+        Hypothesis("origin-y-twice", "S5", STARTS),
+        Hypothesis("nothing-squared", "square"),
+        Hypothesis("no-curve", "no-curve"),
+        Hypothesis("negative", "log-sign", JOINTS),
+        *(
+            Hypothesis(name, "shared", JOINTS)
+            for name in ("shares", "log-shares", "from-best", "by-best")
+        ),
+        Hypothesis("largest", "one-ray", JOINTS),
+        Hypothesis("smallest", "one-ray", JOINTS),
+        Hypothesis("first-ray", "one-ray", JOINTS),
+        Hypothesis("last-ray", "one-ray", JOINTS),
+        Hypothesis("log-ten", "log-base", JOINTS),
+        Hypothesis("log-two", "log-base", JOINTS),
+        Hypothesis("averaged", "sum", JOINTS),
+        Hypothesis("plain-mean", "sum", JOINTS),
+        Hypothesis("zero-range", "no-return", kind="no-return"),
+        Hypothesis("stops-early", "no-return", kind="no-return"),
     ),
     signs=signs,
     show=show,

@@ -10,8 +10,13 @@ import numpy as np
 
 from app.features.course.grader.case import REFERENCE, Case, Checks, Hypothesis, Outcome, Sign
 from app.features.course.grader.drawing import draw_clouds, draw_poses
-from app.features.course.grader.forms import array_of, generator_signs, heading_sign, headings_apart
-from app.features.course.grader.mistaken_motion import sampled
+from app.features.course.grader.forms import (
+    array_of,
+    generator_signs,
+    heading_signs,
+    headings_apart,
+)
+from app.features.course.grader.mistaken_motion import ORDERS, sampled
 from app.features.course.grader.words import Words
 from robot.geometry import Array, compose, wrap_angle
 
@@ -19,6 +24,8 @@ COUNT, MANY = 6000, 20_000
 """Particles of a cloud whose spread is measured, and of the reference's."""
 LIKELY = 6.0
 """Standard errors that a correct cloud never differs by, and no seed of the checks comes near."""
+ALIKE = 2e-6
+"""Deviations [m or rad] that are none."""
 NOISELESS = np.zeros(4)
 STEPS = (
     ("straight", "A step of 50 mm straight ahead, without noise.", (0.05, 0.0, 0.0)),
@@ -31,13 +38,17 @@ NOISES = (
     ("noise", "Straight ahead, alpha2 alone: driving turns.", (0.1, 0.0, 0.0), (0, 0.3, 0, 0)),
     ("noise", "Straight ahead, alpha3 alone: ways differ.", (0.1, 0.0, 0.0), (0, 0, 0.02, 0)),
     ("turn", "On an arc, alpha1 alone: turns differ.", (0.08, 0.03, 0.9), (0.02, 0, 0, 0)),
+    ("spin-noise", "A turn on the spot, alpha1 alone.", (0.0, 0.0, 0.6), (0.02, 0, 0, 0)),
     ("turn", "On an arc, alpha4 alone: turning shifts.", (0.08, 0.03, 0.9), (0, 0, 0, 0.0005)),
     ("reverse", "Straight back, alpha1 alone: nothing turns.", (-0.1, 0.0, 0.0), (0.02, 0, 0, 0)),
     ("reverse", "Back on an arc, all four.", (-0.1, 0.01, -0.2), (0.01, 0.2, 0.01, 0.001)),
 )
 ANGLES = frozenset(["new-heading", "old-heading"])
-SWAPS = ("alphas-swapped", "first-two-swapped", "last-two-swapped")
-SUMS = ("first-alone", "second-alone", "sum-squared", "unsquared")
+SWAPS = tuple(ORDERS)
+LOST = tuple(f"alpha{part}-lost" for part in (1, 2, 3, 4))
+TURNS = ("first-twice", "second-twice", "turns-exchanged")
+PARTS = ("way", "rot1", "rot2")
+SUMS = ("first-alone", "second-alone", "sum-squared", "unsquared", *LOST, *TURNS)
 SIZES = frozenset(
     ["variance", "absolute", "no-noise", "uniform", "positive", "from-zero", *SWAPS, *SUMS]
 )
@@ -77,7 +88,7 @@ def _cloud(
 
 
 def _is_cloud(case: Case) -> bool:
-    return case.kind in ("noise", "turn", "reverse")
+    return case.kind in ("noise", "turn", "reverse", "spin-noise")
 
 
 def features(outcome: Outcome) -> Array:
@@ -134,26 +145,53 @@ def _given(case: Case) -> tuple[Array, Array, Array]:
 
 def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
     """What shows by itself: no spread, a spin that moves, a generator that is not asked."""
-    for outcome in outcomes:
-        yield from heading_sign(outcome, np.asarray(outcome.result))
+    yield from heading_signs(outcomes, [np.asarray(item.result) for item in outcomes])
     clouds = [item for item in outcomes if item.case.kind == "noise"]
     if clouds and all(np.asarray(item.result).std(axis=0).max() < 1e-9 for item in clouds):
         yield Sign("M5", clouds[0])
+    yield from _without_noise(outcomes)
     backs = [item for item in outcomes if item.case.kind == "reverse"]
     if backs and all(_wider(item) for item in backs) and not any(_wider(item) for item in clouds):
-        yield Sign("M3", backs[0])
+        yield Sign("M3", backs[0], weak=True)
+    straight = all(_right(item) for item in outcomes if item.case.kind == "straight")
     for outcome in outcomes:
         poses = np.asarray(outcome.result)
-        if outcome.case.kind == "spin":
+        if outcome.case.kind == "spin" and straight:
             moved = np.abs(poses[:, :2] - outcome.case.arguments[0][:, :2])
             if moved.max() > 1e-6:
-                yield Sign("M4", outcome)
+                yield Sign("M4", outcome, weak=True)
         if outcome.case.kind == "straight" and _is_parallel(outcome):
-            yield Sign("M1", outcome)
+            yield Sign("M1", outcome, weak=True)
         if outcome.case.kind == "seeds":
             drawn = [np.asarray(answer.result) for answer in outcome.answers]
             if np.ptp(drawn[0][::4], axis=0).max() > 0:  # every fourth particle starts alike
                 yield from generator_signs(outcome, drawn)
+    yield from _areas(outcomes)
+
+
+def _without_noise(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
+    """Name a part of the step that all particles of a cloud have alike: due, or by one draw."""
+    for outcome in outcomes:
+        if not _is_cloud(outcome.case):
+            continue
+        given, due = features(outcome), expected(outcome.case, REFERENCE)
+        alike = (given[3:6] < math.log(ALIKE)) & (due[3:6] > math.log(100 * ALIKE))
+        if alike.any():
+            shifts = np.abs(given[:3] * np.exp(given[3:6]))[alike]
+            yield Sign("M5" if shifts.max() > 100 * ALIKE else "noise-lost", outcome, weak=True)
+            return
+
+
+def _areas(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
+    """Say whether it is the step or its noise, where nothing more is known."""
+    wrong = [item for item in outcomes if item.case.kind != "seeds" and not _right(item)]
+    if wrong:
+        yield Sign("noise-of-step" if _is_cloud(wrong[0].case) else "step", wrong[0], weak=True)
+
+
+def _right(outcome: Outcome) -> bool:
+    due = expected(outcome.case, REFERENCE)
+    return bool((np.abs(features(outcome) - due) <= outcome.case.tolerance).all())
 
 
 def _wider(outcome: Outcome) -> bool:
@@ -211,7 +249,7 @@ CHECKS = Checks(
         Hypothesis("old-heading", "old-heading", ANGLES),
         Hypothesis("degrees", "S4"),
         Hypothesis("variance", "variance", SIZES),
-        Hypothesis("absolute", "alphas", SIZES),
+        Hypothesis("absolute", "variances", SIZES),
         *(Hypothesis(name, "alphas", SIZES) for name in SWAPS),
         *(Hypothesis(name, "variances", SIZES) for name in SUMS),
         Hypothesis("uniform", "noise-form", SIZES),
@@ -222,6 +260,23 @@ CHECKS = Checks(
         Hypothesis("whole-turn", "second-turn"),
         Hypothesis("direction-swapped", "arctan"),
         Hypothesis("sine-first", "sine"),
+        Hypothesis("stays", "standing"),
+        Hypothesis("place-lost", "start-lost"),
+        Hypothesis("one-particle", "one-particle"),
+        Hypothesis("spin-noiseless", "spin-noiseless", kind="spin-noise"),
+        Hypothesis("deviations-summed", "variances", SIZES),
+        Hypothesis("turns-rooted", "variances", SIZES),
+        *(Hypothesis(f"variance-{name}", "variance", SIZES) for name in PARTS),
+        *(Hypothesis(f"no-noise-{name}", "noise-lost", SIZES) for name in (*PARTS, "rotations")),
+        Hypothesis("turn-plain", "noise-lost", ANGLES),
+        Hypothesis("direction-plain", "noise-lost", ANGLES),
+        Hypothesis("turn-lost", "turn-lost"),
+        Hypothesis("turns-added", "second-turn"),
+        Hypothesis("back-ahead", "back-ahead"),
+        Hypothesis("ahead-alone", "way-length"),
+        Hypothesis("direction-swapped-back", "arctan"),
+        Hypothesis("half-turned", "M3"),
+        Hypothesis("proportional", "variances", SIZES),
     ),
     signs=signs,
     show=show,

@@ -36,7 +36,7 @@ def cases(seed: int) -> list[Case]:
     words = Words("Twice with the same generator's seed, then with others.")
     even = rng.uniform(0.5, 1.5, 40)
     arguments = (_poses(40), even / even.sum())
-    seeds = (seed + 1, seed + 1, *range(seed + 2, seed + 10))
+    seeds = tuple(seed + 1 + index // 2 for index in range(12))
     made.append(Case("resample", arguments, words, "seeds", np.inf, seeds))
     return made
 
@@ -123,8 +123,18 @@ def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
         yield from _weights(outcome)
         if outcome.case.kind == "seeds":
             draws = [_drawn(answer, outcome.case) for answer in outcome.answers]
-            yield from generator_signs(outcome, draws)
+            chance = [] if (draws[0] == UNLIKE).any() else _chance(outcome, draws)
+            yield from chance
+            if any(sign.cause == "no-chance" for sign in chance):
+                return  # who survives without chance follows from that
     yield from _survivors(outcomes)
+
+
+def _chance(outcome: Outcome, draws: Sequence[Indices]) -> list[Sign]:
+    """Compare draws, of pair each with one seed: pair that are not rng's may be alike by chance."""
+    pairs = [draws[index : index + 2] for index in range(0, len(draws), 2)]
+    apart = next((pair for pair in pairs if not np.array_equal(pair[0], pair[1])), pairs[0])
+    return list(generator_signs(outcome, [*apart, *draws[::2]]))
 
 
 def _survivors(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
@@ -141,8 +151,19 @@ def _survivors(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
             yield Sign("invented", outcome)
         elif weightless and not outcome.answers[0].shared:
             wrong.append((outcome, weightless <= len(outcome.answers) or _beside(outcome, drawn)))
+    unlike = [item for item in many if not _as_weighed(item)]
+    if unlike and not wrong:
+        yield Sign("line", unlike[0], weak=True)
     if wrong:
-        yield Sign("R4" if all(near for _, near in wrong) else "line", wrong[0][0])
+        beside = all(near for _, near in wrong)
+        # An index that is off by one is so always, but where it is cut off at an end.
+        always = sum(item.case.kind == "sole" for item, _ in wrong) > 1
+        yield Sign("R4" if beside else "line", wrong[0][0], weak=not (beside and always))
+
+
+def _as_weighed(outcome: Outcome) -> bool:
+    due = expected(outcome.case, frozenset())
+    return bool((np.abs(features(outcome) - due) <= outcome.case.tolerance).all())
 
 
 def _beside(outcome: Outcome, drawn: Indices) -> bool:

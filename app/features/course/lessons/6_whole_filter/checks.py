@@ -10,7 +10,16 @@ from typing import Any
 
 import numpy as np
 
-from app.features.course.grader.case import REFERENCE, Ask, Case, Checks, Hypothesis, Outcome, Sign
+from app.features.course.grader.case import (
+    REFERENCE,
+    Ask,
+    Case,
+    Checks,
+    Hypothesis,
+    Outcome,
+    Sign,
+    by_mistake,
+)
 from app.features.course.grader.drawing import draw_bars
 from app.features.course.grader.forms import array_of, pair_of
 from app.features.course.grader.small_world import SmallWorld
@@ -26,7 +35,8 @@ PARTS = SimpleNamespace(
 EVEN, UNEVEN = np.full(4, 0.25), np.array([0.4, 0.3, 0.2, 0.1])
 FLAT, SHARP, LOW = np.full(4, -2.0), np.array([0.0, -6.0, -9.0, -5.0]), np.full(4, -900.0)
 MILD = np.array([0.0, -0.7, -0.4, -0.9])
-LONE = np.array([0.0, -800.0, -801.0, -805.0])
+LONE = np.array([0.0, -2000.0, -2001.0, -2005.0])
+HEAVY = np.array([0.91, 0.03, 0.03, 0.03])
 GOOD, BAD = np.log([0.6, 0.25, 0.1, 0.05]), np.log([0.71, 0.2, 0.05, 0.04])
 STEP = (0.05, 0, 0)
 MOVES = (
@@ -42,6 +52,7 @@ MOVES = (
     ("move", "It turned 0.012 rad to the right on the spot.", (0.0, 0, -0.012), UNEVEN, MILD),
     ("move", "It moved 50 mm backwards.", (-0.05, 0, 0), UNEVEN, MILD),
     ("survive", "It moved 50 mm; one particle fits far better.", STEP, EVEN, SHARP),
+    ("heavy", "It moved 50 mm; one particle had nearly all the weight.", STEP, HEAVY, MILD),
     ("low", "It moved 50 mm; all log-weights are about -900.", STEP, UNEVEN, LOW + MILD),
     ("survive", "It moved 50 mm; log-weights are about -900, one fits far better.", STEP, UNEVEN,
      LOW + SHARP),
@@ -53,7 +64,7 @@ RUNS, ROUNDS, COUNT = 20, 8, 150
 """Drives through the small world, each with its own seed."""
 NEAR_M = 0.12
 TIMES = frozenset(["never-resamples", "always-resamples", "the-other-way"])
-STANDS = ("either", "way-alone", "signed", "ahead-alone")
+STANDS = ("either", "way-alone", "signed", "ahead-alone", "ahead-size", "side-lost")
 
 
 @dataclass(eq=False)
@@ -181,32 +192,66 @@ def _loop(
 ) -> tuple[Array, Array]:
     standing = _stands(moved, mistakes)
     if standing and "only-motion-stands" not in mistakes and "updates" not in mistakes:
-        return poses, weights
+        return (parts.motion(poses, moved) if "moves-standing" in mistakes else poses), weights
     before = poses
     if not (standing and "only-motion-stands" in mistakes):
         poses = parts.motion(poses, moved)
     if "motion-lost" in mistakes:
         poses = before
-    if "draws-first" in mistakes:
+    if "moves-twice" in mistakes:
+        poses = parts.motion(poses, moved)
+    early = "draws-early" in mistakes and 1 / (weights**2).sum() < len(poses) / 2
+    if "draws-first" in mistakes or early:
         poses, weights = parts.resample(poses, weights)
     fits = parts.log_weight(before if "weighs-first" in mistakes else poses, scan)
-    fits = fits - (0.0 if "underflow" in mistakes else fits.max())
     prior = np.full(len(poses), 1 / len(poses)) if "prior-lost" in mistakes else weights
-    weights = prior * np.exp(fits)
-    if "no-exponential" in mistakes:
-        weights = prior + fits
-    if "log-times" in mistakes:
-        weights = prior * parts.log_weight(poses, scan)
-    if "added" in mistakes:
-        weights = prior + np.exp(fits)
-    if "not-normalized" not in mistakes:
-        weights = weights / weights.sum()
-    return _survivors(poses, weights, parts, mistakes)
+    weights = _weighed(prior, fits, mistakes)
+    if "draws-old" in mistakes:
+        drawn, even = _survivors(before, weights, parts, mistakes)
+        return (poses, weights) if drawn is before else (drawn, even)
+    if "draws-early" in mistakes:
+        return poses, weights
+    if "not-kept" in mistakes:
+        drawn, _ = _survivors(poses, weights, parts, REFERENCE)
+        return (poses, prior) if drawn is poses else parts.resample(poses, prior)
+    drawn, weights = _survivors(poses, weights, parts, mistakes)
+    return drawn, np.log(weights) if "log-returned" in mistakes and drawn is poses else weights
+
+
+def _weighed(prior: Array, fits: Array, mistakes: frozenset[str]) -> Array:
+    """Return weights by old weights and log-weights, and by what they are divided."""
+    ratios = fits - (0.0 if "underflow" in mistakes else fits.max())
+    likely = np.exp(ratios)
+    rules = {
+        "no-exponential": prior + ratios,
+        "log-added": prior + fits,
+        "log-log": np.log(prior) + fits,
+        "log-times": prior * fits,
+        "prior-squared": prior**2 * likely,
+        "scan-twice": prior * likely**2,
+        "worse-more": prior / likely,
+        "added": prior + likely,
+        "exp-of-product": np.exp(prior * ratios),
+        "exp-of-sum": np.exp(prior + ratios),
+        "fits-alone": fits,
+        "ratios-alone": ratios,
+    }
+    weights = by_mistake(mistakes, rules, prior * likely)
+    sums = {
+        "by-largest": weights.max(),
+        "by-count": len(weights),
+        "not-normalized": 1.0,
+        "normalized-late": 1.0,
+    }
+    divided: Array = weights / by_mistake(mistakes, sums, weights.sum())
+    return divided
 
 
 def _stands(moved: Array, mistakes: frozenset[str]) -> bool:
     dx, dy, turn = moved
-    short = (dx if "ahead-alone" in mistakes else math.hypot(dx, dy)) < STILL_M
+    ways = {"ahead-alone": dx, "ahead-size": abs(dx), "side-lost": dx + dy}
+    way = next((each for name, each in ways.items() if name in mistakes), math.hypot(dx, dy))
+    short = way < STILL_M
     straight = (turn if "signed" in mistakes else abs(turn)) < STILL_RAD
     if "either" in mistakes:
         return bool(short or straight)
@@ -216,7 +261,8 @@ def _stands(moved: Array, mistakes: frozenset[str]) -> bool:
 def _survivors(
     poses: Array, weights: Array, parts: CountedParts, mistakes: frozenset[str]
 ) -> tuple[Array, Array]:
-    effective = 1 / (weights**2).sum()
+    shares = weights / weights.sum() if "normalized-late" in mistakes else weights
+    effective = 1 / (shares**2).sum()
     wanted = effective < len(poses) / 2
     if "never-resamples" in mistakes:
         wanted = np.bool_(False)
@@ -234,16 +280,42 @@ def _survivors(
 
 def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
     """What shows by itself: a scan that counts while standing, a past that is forgotten, nan."""
+    even = all(_right(item) for item in outcomes if item.case.words.text == MOVES[1][1])
     for outcome in outcomes:
         if outcome.case.kind == "drives":
             continue
         given, due = features(outcome), expected(outcome.case, REFERENCE)
         if outcome.case.kind == "stand" and np.abs(given[:4] - due[:4]).max() > 1e-9:
             yield Sign("R5", outcome)
-        if not np.isfinite(given[:4]).all():
-            yield Sign("S1", outcome)
-        if outcome.case.kind == "flat" and np.ptp(given[:4]) < 1e-9 and not given[-1]:
+        if even and not np.isfinite(given[:4]).all():
+            yield Sign("S1", outcome, weak=True)
+        if even and outcome.case.kind == "flat" and np.ptp(given[:4]) < 1e-9 and not given[-1]:
             yield Sign("R6", outcome)
+    yield from _areas(outcomes)
+
+
+def _right(outcome: Outcome) -> bool:
+    due = expected(outcome.case, REFERENCE)
+    return bool((np.abs(features(outcome) - due) <= outcome.case.tolerance).all())
+
+
+def _areas(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
+    """Say which part is wrong, where nothing more is known: standing, weights, or when to draw."""
+    for outcome in outcomes:
+        if outcome.case.kind == "drives":
+            continue
+        given, due = features(outcome), expected(outcome.case, REFERENCE)
+        if np.abs(given - due).max() <= outcome.case.tolerance:
+            continue
+        poses, weights = outcome.case.arguments[:2]
+        kept = _features(poses, weights, outcome.case)[:-3]
+        if outcome.case.kind != "stand" and np.array_equal(given[:-3], kept):
+            yield Sign("standing", outcome, weak=True)
+        elif given[-1] != due[-1]:
+            yield Sign("threshold", outcome, weak=True)
+        else:
+            yield Sign("new-weights" if given[-1] == 0 else "after-drawing", outcome, weak=True)
+        return
 
 
 def show(case: Case, values: Array) -> str:
@@ -278,14 +350,32 @@ CHECKS = Checks(
         Hypothesis("weighs-first", "order", frozenset(["motion-lost"])),
         Hypothesis("motion-lost", "motion-lost", frozenset(["weighs-first"])),
         Hypothesis("not-normalized", "not-normalized"),
+        Hypothesis("normalized-late", "not-normalized"),
         Hypothesis("no-exponential", "exponential"),
+        Hypothesis("log-added", "exponential"),
+        Hypothesis("log-log", "exponential"),
         Hypothesis("log-times", "exponential"),
+        *(
+            Hypothesis(name, "exponential")
+            for name in ("exp-of-product", "exp-of-sum", "fits-alone", "ratios-alone")
+        ),
         Hypothesis("added", "added"),
-        Hypothesis("never-resamples", "no-resampling", TIMES),
-        Hypothesis("always-resamples", "resampling-always", TIMES),
+        Hypothesis("not-kept", "S7"),
+        Hypothesis("never-resamples", "no-resampling", TIMES, broad=True),
+        Hypothesis("always-resamples", "resampling-always", TIMES, broad=True),
         Hypothesis("the-other-way", "resampling-reversed", TIMES),
+        Hypothesis("by-largest", "not-normalized"),
+        Hypothesis("by-count", "not-normalized"),
         Hypothesis("survivors-lost", "survivors-lost"),
         Hypothesis("draws-first", "resampling-early"),
+        Hypothesis("draws-early", "resampling-early"),
+        Hypothesis("draws-old", "motion-lost"),
+        Hypothesis("moves-standing", "moves-standing"),
+        Hypothesis("moves-twice", "counts-twice"),
+        Hypothesis("prior-squared", "counts-twice"),
+        Hypothesis("scan-twice", "counts-twice"),
+        Hypothesis("worse-more", "slip-sign", broad=True),
+        Hypothesis("log-returned", "log-returned"),
         *(Hypothesis(name, "standing", frozenset(STANDS)) for name in STANDS),
     ),
     signs=signs,

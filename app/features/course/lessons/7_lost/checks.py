@@ -4,15 +4,23 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from itertools import combinations
 
 import numpy as np
 
-from app.features.course.grader.case import Case, Checks, Hypothesis, Outcome, Sign
+from app.features.course.grader.case import (
+    Case,
+    Checks,
+    Hypothesis,
+    Outcome,
+    Sign,
+    by_mistake,
+)
 from app.features.course.grader.drawing import Drawing, draw_clouds
 from app.features.course.grader.forms import (
     array_of,
     generator_signs,
-    heading_sign,
+    heading_signs,
     headings_apart,
     pose_features,
 )
@@ -46,6 +54,8 @@ CLOUDS: tuple[tuple[str, str, Array, Array], ...] = (
      np.array([[0.0, 0.0, 0.0], [0.08, 0.0, 0.0], [0.0, 0.12, 0.0]]), np.array([0.4, 0.3, 0.3])),
     ("edge", "One particle is 120 mm away, another 80 mm.",
      np.array([[0.0, 0.0, 0.0], [0.12, 0.0, 0.0], [0.0, 0.08, 0.0]]), np.array([0.4, 0.3, 0.3])),
+    ("edge", "One particle is 80 mm away along x and along y.",
+     np.array([[0.0, 0.0, 0.0], [0.08, 0.08, 0.0], [0.02, 0.0, 0.1]]), np.array([0.4, 0.3, 0.3])),
     ("edge", "One particle is turned by 0.4 rad, another by -0.6 rad.",
      np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 0.4], [0.0, 0.0, -0.6]]), np.array([0.4, 0.3, 0.3])),
     ("edge", "One particle is turned by -0.4 rad, another by 0.6 rad.",
@@ -53,6 +63,7 @@ CLOUDS: tuple[tuple[str, str, Array, Array], ...] = (
 )  # fmt: skip
 STARTS = frozenset(
     {
+        *("front-half", "xy-exchanged", "size-alone", "one-number"),
         *("from-zero", "size-from-zero", "right-as-width", "pairs", "diagonal"),
         *("half-circle", "heading-small", "heading-zero"),
     }
@@ -139,24 +150,30 @@ def _spread(extent: Array, mistakes: frozenset[str]) -> Array | None:
     """Return particles that lie as a mistake puts them; None without one."""
     left, bottom, right, top = extent
     rng = np.random.default_rng(1)
-    low, high = [left, bottom, -math.pi], [right, top, math.pi]
-    if "from-zero" in mistakes:
-        low[:2] = [0.0, 0.0]
-    if "size-from-zero" in mistakes:
-        low[:2], high[:2] = [0.0, 0.0], [right - left, top - bottom]
-    if "half-circle" in mistakes:
-        low[2] = 0.0
-    if "heading-small" in mistakes:
-        low[2], high[2] = -1.0, 1.0
-    if "heading-zero" in mistakes:
-        low[2] = high[2] = 0.0
-    if "right-as-width" in mistakes:
-        high[:2] = [left + right, bottom + top]
-    if "pairs" in mistakes:
-        low[:2], high[:2] = [left, right], [bottom, top]
+    width, height = right - left, top - bottom
+    corners = {
+        "from-zero": ((0.0, 0.0), (right, top)),
+        "size-from-zero": ((0.0, 0.0), (width, height)),
+        "size-alone": ((0.0, 0.0), (width, height)),
+        "right-as-width": ((left, bottom), (left + right, bottom + top)),
+        "xy-exchanged": ((bottom, left), (top, right)),
+        "pairs": ((left, right), (bottom, top)),
+    }
+    headings = {
+        "half-circle": (0.0, math.pi),
+        "heading-small": (-1.0, 1.0),
+        "heading-zero": (0.0, 0.0),
+        "front-half": (-math.pi / 2, math.pi / 2),
+        "size-alone": (0.0, 2 * math.pi),
+    }
+    low_xy, high_xy = by_mistake(mistakes, corners, ((left, bottom), (right, top)))
+    low_theta, high_theta = by_mistake(mistakes, headings, (-math.pi, math.pi))
+    low, high = [*low_xy, low_theta], [*high_xy, high_theta]
     shares = rng.random((COUNT, 3))
     if "diagonal" in mistakes:
         shares[:, 1] = shares[:, 0]
+    if "one-number" in mistakes:
+        shares[:] = shares[:, :1]
     return low + shares * np.subtract(high, low) if mistakes & STARTS else None
 
 
@@ -166,7 +183,12 @@ def _mean(poses: Array, weights: Array, mistakes: frozenset[str]) -> Array:
     offsets = poses - best
     if "not-wrapped" not in mistakes:
         offsets[:, 2] = wrap_angle(offsets[:, 2])
-    near = np.hypot(offsets[:, 0], offsets[:, 1]) < NEAR_M
+    away = np.hypot(offsets[:, 0], offsets[:, 1])
+    ways = {"x-alone": np.abs(offsets[:, 0]), "squared-away": away**2, "wide": 0.1 * away}
+    away = next((each for name, each in ways.items() if name in mistakes), away)
+    near = away < NEAR_M
+    if "place-apart" in mistakes:
+        near[:] = True
     if "headings-apart" not in mistakes:
         turns = offsets[:, 2] if "one-way" in mistakes else np.abs(offsets[:, 2])
         near &= turns < NEAR_RAD
@@ -174,32 +196,118 @@ def _mean(poses: Array, weights: Array, mistakes: frozenset[str]) -> Array:
         near[:] = True
     if "best" in mistakes:
         return np.array(best)
-    share = near if "unweighted" in mistakes else weights * near
-    share = share if "not-shared" in mistakes else share / share.sum()
+    share = _parts(weights, near, mistakes)
+    place = share @ poses[:, :2]
     if "plain-mean" in mistakes:
         mean: Array = share @ poses
         return mean
     toward = share @ np.exp(1j * poses[:, 2])
     if "swapped" in mistakes:
         toward = toward.imag + 1j * toward.real
-    return np.array([*(share @ poses[:, :2]), math.atan2(toward.imag, toward.real)])
+    headings = {
+        "heading-best": best[2],
+        "heading-even": float(np.angle(near @ np.exp(1j * poses[:, 2]))),
+        "half-arctan": math.atan(toward.imag / toward.real) if toward.real else 0.0,
+        "heading-largest": poses[near, 2].max(),
+    }
+    place = place[::-1] if "xy" in mistakes else place
+    return np.array([*place, by_mistake(mistakes, headings, math.atan2(toward.imag, toward.real))])
+
+
+def _parts(weights: Array, near: Array, mistakes: frozenset[str]) -> Array:
+    """Return how much each particle counts in the mean."""
+    share = near if "unweighted" in mistakes else weights * near
+    share = share**2 if "squares" in mistakes else share
+    sums = {"by-count": near.sum(), "of-all": weights.sum(), "not-shared": 1.0}
+    parts: Array = share / by_mistake(mistakes, sums, share.sum())
+    return parts
 
 
 def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
     """What shows by itself: headings out of range, a mean of headings, the generator."""
+    yield from _uneven(outcomes)
+    yield from heading_signs(outcomes, [_given_poses(item) for item in outcomes])
+    yield from _others(outcomes)
+    near = all(_toward(item) > 0.5 for item in outcomes if item.case.kind in ("one", "cloud"))
     for outcome in outcomes:
-        if outcome.case.function == "estimate":
-            yield from heading_sign(outcome, array_of(outcome.result, (3,))[None])
-        else:
-            yield from heading_sign(outcome, np.asarray(outcome.result))
         if outcome.case.kind == "seeds":
             starts = [np.asarray(answer.result) for answer in outcome.answers]
             yield from generator_signs(outcome, starts)
     for outcome in outcomes:
-        if outcome.case.kind == "around":
-            given, due = features(outcome), expected(outcome.case, frozenset())
-            if given[2] * due[2] + given[3] * due[3] < 0.5:
-                yield Sign("E1", outcome)
+        if near and outcome.case.kind == "around" and _toward(outcome) < 0.5:
+            yield Sign("E1", outcome)
+    yield from _areas(outcomes)
+
+
+def _given_poses(outcome: Outcome) -> Array:
+    if outcome.case.function == "estimate":
+        return array_of(outcome.result, (3,))[None]
+    return np.asarray(outcome.result)
+
+
+def _uneven(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
+    """Name starts that fill the field, but not evenly; and starts in one place."""
+    for outcome in outcomes:
+        if outcome.case.kind != "start":
+            continue
+        poses = np.asarray(outcome.result)
+        if np.ptp(poses, axis=0).max() == 0:
+            yield Sign("all-alike", outcome)
+            return
+        values, due = features(outcome), expected(outcome.case, frozenset())
+        middle = np.abs(values[:3] - 0.5).max() < 0.05
+        if middle and np.abs(values[3:6] - due[3:6]).max() > 0.02:
+            wide = np.ptp(poses[:, 2]) > 1.6 * math.pi
+            yield Sign("not-even" if wide else "half-circle", outcome)
+            return
+
+
+def _others(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
+    """Name estimates that are means of other particles than those of the place."""
+    sizes = []
+    for outcome in outcomes:
+        if outcome.case.function == "estimate" and outcome.case.kind != "one":
+            poses, weights = outcome.case.arguments
+            chosen = _subset(poses, weights, features(outcome), outcome.case.tolerance)
+            if chosen is None:
+                return
+            due = _subset(poses, weights, expected(outcome.case, frozenset()), 1e-9)
+            sizes.append((outcome, chosen - (due or 0)))
+    wrong = [(outcome, more) for outcome, more in sizes if more]
+    if wrong:
+        yield Sign("middle" if wrong[0][1] > 0 else "too-few", wrong[0][0], weak=True)
+
+
+def _subset(poses: Array, weights: Array, given: Array, tolerance: float | Array) -> int | None:
+    """Return of how many particles a pose is the weighted mean; None if of none."""
+    for count in range(1, len(poses) + 1):
+        for chosen in combinations(range(len(poses)), count):
+            share = weights[list(chosen)] / weights[list(chosen)].sum()
+            toward = share @ np.exp(1j * poses[list(chosen), 2])
+            mean = np.array([*(share @ poses[list(chosen), :2]), toward.real, toward.imag])
+            mean[2:] /= max(abs(toward), 1e-9)
+            if np.abs(mean - given).max() < tolerance:
+                return count
+    return None
+
+
+def _toward(outcome: Outcome) -> float:
+    """Return the cosine of how far a heading is off."""
+    given, due = features(outcome), expected(outcome.case, frozenset())
+    return float(given[2] * due[2] + given[3] * due[3])
+
+
+def _areas(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
+    """Say which part is wrong, where nothing more is known."""
+    for outcome in outcomes:
+        due = expected(outcome.case, frozenset())
+        right = np.abs(features(outcome) - due) <= outcome.case.tolerance
+        if not right.all():
+            if outcome.case.function == "init":
+                yield Sign("not-even", outcome, weak=True)
+            else:
+                yield Sign("heading" if right[:2].all() else "place", outcome, weak=True)
+            return
 
 
 def show(case: Case, values: Array) -> str:
@@ -244,7 +352,7 @@ CHECKS = Checks(
         Hypothesis("all", "middle", kind="places"),
         Hypothesis("headings-apart", "middle", kind="places"),
         Hypothesis("one-way", "middle"),
-        Hypothesis("best", "best-only"),
+        Hypothesis("best", "best-only", broad=True),
         Hypothesis("lightest", "heaviest"),
         Hypothesis("first", "heaviest"),
         Hypothesis("not-shared", "shares"),
@@ -258,6 +366,19 @@ CHECKS = Checks(
         Hypothesis("half-circle", "half-circle", STARTS),
         Hypothesis("heading-small", "half-circle", STARTS),
         Hypothesis("heading-zero", "half-circle", STARTS),
+        Hypothesis("front-half", "half-circle", STARTS),
+        Hypothesis("xy-exchanged", "xy", STARTS),
+        Hypothesis("size-alone", "S5", STARTS),
+        Hypothesis("one-number", "diagonal", STARTS),
+        Hypothesis("place-apart", "middle", kind="places"),
+        *(Hypothesis(name, "middle") for name in ("x-alone", "squared-away", "wide")),
+        Hypothesis("squares", "weights-changed"),
+        Hypothesis("by-count", "shares"),
+        Hypothesis("of-all", "shares"),
+        Hypothesis("xy", "xy"),
+        *(Hypothesis(name, "heading-of-one") for name in ("heading-best", "heading-largest")),
+        Hypothesis("heading-even", "weights-ignored"),
+        Hypothesis("half-arctan", "half-arctan"),
     ),
     signs=signs,
     show=show,

@@ -30,6 +30,8 @@ COUNT = 3000
 LIKELY = 6.0
 AWAY = 100.0
 """Where new particles are put in single calls, so that they can be told [m]."""
+NEW_POSE = np.array([7.0, 1.0])
+"""Their y [m] and heading [rad]."""
 FITS = (
     ("steady", "The fit is as it always was: 0.8.", 0.8, 0.8, 0.8),
     ("worse", "The fit falls from 0.8 to 0.2.", 0.2, 0.8, 0.8),
@@ -40,7 +42,7 @@ FITS = (
 """Fit, and the memories before: slow, fast."""
 RUNS, BEFORE, AFTER, PARTICLES = 20, 6, 20, 250
 NEAR_M = 0.15
-RULES = ("either-way", "upside-down", "difference", "newest")
+RULES = ("either-way", "upside-down", "difference", "newest", "half")
 SHARES = {"never": 0.0, "always": 0.1, "all": 1.0}
 ONE_PLACE = Words("All particles that are new are the same one.")
 ALL, PLACES = (
@@ -79,7 +81,7 @@ def _asked(
     fit, slow, fast = memory
     poses = np.column_stack([np.arange(count) / count, np.zeros(count), np.zeros(count)])
     kept = SimpleNamespace(slow=slow, fast=fast)
-    marked = np.column_stack([AWAY + np.arange(COUNT), np.zeros((COUNT, 2))])
+    marked = np.column_stack([AWAY + np.arange(COUNT), np.tile(NEW_POSE, (COUNT, 1))])
     arguments = (poses, fit, kept, SimpleNamespace(supply=marked))
     return Case("inject", arguments, words, kind, tolerance, seeds)
 
@@ -138,6 +140,7 @@ def features(outcome: Outcome) -> Array:
     new = given[:, 0] >= AWAY
     place = np.flatnonzero(new).mean() / len(new) if new.any() else 0.5
     lost = (~new & (np.abs(given - case.arguments[0]).max(axis=1) > 1e-9)).sum()
+    lost += (new & (np.abs(given[:, 1:] - NEW_POSE).max(axis=1) > 1e-9)).sum()
     return np.array([new.mean(), memory.slow, memory.fast, place, lost])
 
 
@@ -177,6 +180,7 @@ def _otherwise(
         "either-way": abs(share),
         "upside-down": 1 - share,
         "difference": slow - fast,
+        "half": share / 2,
         "newest": 1 - fit / slow,
         "all-if-any": float(share > 0),
     }
@@ -212,6 +216,17 @@ def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
         return
     fine = [item for item in memories if item.case.kind != "worse"]
     yield from (Sign("ratio", item) for item in fine if features(item)[0] > 0)
+    yield from _shares(worse)
+
+
+def _shares(worse: Sequence[Outcome]) -> Iterator[Sign]:
+    """Name shares of new particles that are not what is due, where nothing more is known."""
+    for item in worse:
+        share, due = features(item)[0], expected(item.case, REFERENCE)[0]
+        if 0 < share * COUNT < 2 < due * COUNT:
+            yield Sign("one-replaced", item, weak=True)
+        elif abs(share - due) > LIKELY * math.sqrt(0.25 / COUNT):
+            yield Sign("ratio", item, weak=True)
 
 
 def _remembers(outcome: Outcome, mistakes: frozenset[str]) -> bool:

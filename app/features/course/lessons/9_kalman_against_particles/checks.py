@@ -3,10 +3,18 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from app.features.course.grader.case import Case, Checks, Hypothesis, Outcome
+from app.features.course.grader.case import (
+    Case,
+    Checks,
+    Hypothesis,
+    Outcome,
+    Sign,
+    by_mistake,
+)
 from app.features.course.grader.drawing import draw_bars
 from app.features.course.grader.forms import array_of
 from app.features.course.grader.words import Words
@@ -47,32 +55,54 @@ def features(outcome: Outcome) -> Array:
 def expected(case: Case, mistakes: frozenset[str]) -> Array:
     """What a filter with mistakes gives."""
     mean, sd, moved, moved_sd, seen, seen_sd = case.arguments
-    before = sd + moved_sd if "deviations-added" in mistakes else math.hypot(sd, moved_sd)
-    before = sd if "step-sure" in mistakes else before
+    if "look-first" in mistakes:
+        gain = sd**2 / (sd**2 + seen_sd**2)
+        after = math.hypot(moved_sd, sd * math.sqrt(1 - gain))
+        return np.array([mean + gain * (seen - mean) + moved, after])
+    befores = {"deviations-added": sd + moved_sd, "step-sure": sd}
+    before = by_mistake(mistakes, befores, math.hypot(sd, moved_sd))
     mean = mean if "step-lost" in mistakes else mean + moved
-    power = 1 if "deviations-weigh" in mistakes else 2
-    gain = before**power / (before**power + seen_sd**power)
-    if "seen-unsquared" in mistakes:
-        gain = before**2 / (before**2 + seen_sd)
-    if "gain-reversed" in mistakes:
-        gain = 1 - gain
-    if "middle" in mistakes:
-        gain = 0.5
-    variance = (1 - gain) * before**2
-    if "mean-reversed" in mistakes:
-        gain = 1 - gain
-    if "mean-halved" in mistakes:
-        gain = 0.5
-    if "rest-reversed" in mistakes:
-        variance = before**2 - variance
-    if "rest-squared" in mistakes:
-        variance = (variance / before) ** 2
-    if "never-surer" in mistakes:
-        variance = before**2
+    gain = _gain(sd, before, seen_sd, mistakes)
+    left = (1 - gain) * before**2
+    variances = {
+        "old-rest": (1 - gain) * sd**2,
+        "rest-reversed": gain * before**2,
+        "rest-squared": (left / before) ** 2,
+        "never-surer": before**2,
+        "seen-sd": seen_sd**2,
+    }
+    variance = by_mistake(mistakes, variances, left)
+    means = {"mean-reversed": 1 - gain, "mean-halved": 0.5, "seen-taken": 1.0, "seen-ignored": 0.0}
+    gain = by_mistake(mistakes, means, gain)
     after = variance if "variance-returned" in mistakes else math.sqrt(variance)
-    seen_ahead = mean - seen if "away" in mistakes else seen - mean
-    seen_ahead += moved if "old-mean" in mistakes else 0.0
-    return np.array([mean + gain * seen_ahead, after])
+    aheads = {
+        "away": mean - seen,
+        "old-mean": seen - mean + moved,
+        "no-difference": seen,
+    }
+    belief = np.array([mean + gain * by_mistake(mistakes, aheads, seen - mean), after])
+    return belief[::-1] if "exchanged" in mistakes else belief
+
+
+def _gain(sd: float, before: float, seen_sd: float, mistakes: frozenset[str]) -> float:
+    usual = before**2 / (before**2 + seen_sd**2)
+    gains = {
+        "old-gain": sd**2 / (sd**2 + seen_sd**2),
+        "deviations-weigh": before / (before + seen_sd),
+        "seen-unsquared": before**2 / (before**2 + seen_sd),
+        "gain-reversed": 1 - usual,
+        "middle": 0.5,
+    }
+    return by_mistake(mistakes, gains, usual)
+
+
+def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
+    """Say which of the two numbers is wrong, where nothing more is known."""
+    for outcome in outcomes:
+        right = np.abs(features(outcome) - expected(outcome.case, frozenset())) <= 1e-6
+        if not right.all():
+            yield Sign("spread-alone" if right[0] else "mean-alone", outcome, weak=True)
+            return
 
 
 def show(_case: Case, values: Array) -> str:
@@ -106,7 +136,16 @@ CHECKS = Checks(
         Hypothesis("step-lost", "step-lost"),
         Hypothesis("step-sure", "step-sure"),
         Hypothesis("never-surer", "never-surer"),
+        Hypothesis("old-gain", "step-sure"),
+        Hypothesis("old-rest", "step-sure"),
+        Hypothesis("look-first", "look-first"),
+        Hypothesis("seen-taken", "gain-fixed"),
+        Hypothesis("seen-ignored", "gain-fixed"),
+        Hypothesis("seen-sd", "rest"),
+        Hypothesis("no-difference", "no-difference"),
+        Hypothesis("exchanged", "slip-order"),
     ),
+    signs=signs,
     show=show,
     picture=picture,
 )

@@ -1,0 +1,79 @@
+"""Which part of a function is wrong, where its mistake is not known."""
+
+from __future__ import annotations
+
+from app.features.course.grader.causes.cause import Cause
+
+AREAS = {
+    "place": Cause(
+        "The robot is said to be in a wrong place.",
+        "The heading is right; x and y are not.",
+        "Work out x and y of the case on paper, and print what they are made of.",
+    ),
+    "heading": Cause(
+        "The robot is said to look in a wrong direction.",
+        "x and y are right; the heading is not.",
+        "Work out the heading of the case on paper, and print what it is made of.",
+    ),
+    "step": Cause(
+        "The robot is said to be in a wrong place, and to look in a wrong direction.",
+        "The step itself is wrong, its way or its turn, before any noise.",
+        "Print way and turn of the case, and compare them with what was asked.",
+    ),
+    "range": Cause(
+        "What is seen lies too near, or too far.",
+        "The bearing is right; the range is not.",
+        "The range is how far the point on the floor is from the axle: print x and y of it.",
+    ),
+    "bearing": Cause(
+        "What is seen lies in a wrong direction.",
+        "The range is right; the bearing is not.",
+        "The bearing is arctan2(y, x) of the point on the floor: print x and y of it.",
+    ),
+    "point": Cause(
+        "What is seen lies at a wrong place.",
+        "The point on the floor is wrong, before its bearing and range are taken.",
+        "Follow the ray: where does it leave the lens, how does it fall, where does it end?",
+    ),
+    "curve": Cause(
+        "One ray counts too much, or too little.",
+        "With one guess and one ray the likelihood is wrong already.",
+        "Work out 0.95 exp(-d² / (2 sigma²)) + 0.05 for that distance, and its logarithm.",
+    ),
+    "ends": Cause(
+        "The rays end in wrong places.",
+        "A ray straight ahead is right; one that is turned, by heading or bearing, is not.",
+        "Draw the guess and its rays, and print where each of them ends.",
+    ),
+    "joined": Cause(
+        "The rays together weigh too much, or too little.",
+        "One ray is right; several of them, or several guesses, are not.",
+        "The logarithms of all rays of a guess are added, for each guess anew.",
+    ),
+    "noise-of-step": Cause(
+        "The cloud has another shape than the motion's noise makes.",
+        "Without noise all is right; the noise has another size, or goes elsewhere, than due.",
+        "Noise belongs to the first rotation, the way and the second rotation; compare each of the "
+        "three variances with the stub.",
+    ),
+    "new-weights": Cause(
+        "The cloud believes the wrong particles.",
+        "The weights after the scan are wrong; resampling plays no part in it.",
+        "New weight = old weight times exp(log-weight); then divide by their sum.",
+    ),
+    "after-drawing": Cause(
+        "What the filter goes on with is not what was drawn.",
+        "It resamples when it should, but poses or weights after it are not those of the draw.",
+        "Return what parts.resample gives, both of it, unchanged.",
+    ),
+    "mean-alone": Cause(
+        "The belief is at a wrong place.",
+        "The mean after the look is wrong.",
+        "mean + k * (seen - mean), with the mean after the step. Work out k for the case.",
+    ),
+    "spread-alone": Cause(
+        "The belief is too sure of itself, or not sure enough.",
+        "The mean is right; how sure it is is not.",
+        "After the look the share 1 - k of the variance after the step is left; return its root.",
+    ),
+}

@@ -1,0 +1,567 @@
+"""``edits``: small changes of a program, each of which would mend one kind of slip."""
+
+from __future__ import annotations
+
+import ast
+import math
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field
+from itertools import combinations, pairwise
+
+from app.languages.marking import phrase
+
+Make = Callable[[], ast.AST]
+
+OPPOSITE: dict[type[ast.AST], tuple[type[ast.AST], ...]] = {
+    ast.Add: (ast.Sub,),
+    ast.Sub: (ast.Add,),
+    ast.Mult: (ast.Div, ast.Add),
+    ast.Div: (ast.Mult, ast.Sub),
+    ast.FloorDiv: (ast.Div,),
+    ast.Lt: (ast.Gt,),
+    ast.Gt: (ast.Lt,),
+    ast.LtE: (ast.GtE,),
+    ast.GtE: (ast.LtE,),
+    ast.And: (ast.Or,),
+    ast.Or: (ast.And,),
+    ast.BitAnd: (ast.BitOr,),
+    ast.BitOr: (ast.BitAnd,),
+    ast.Eq: (ast.NotEq, ast.Lt, ast.Gt),
+}
+SIGNS, COMPARISONS = (ast.Add, ast.Sub), (ast.cmpop, ast.boolop, ast.BitAnd, ast.BitOr)
+FUNCTIONS: dict[str, tuple[str, ...]] = {
+    "sin": ("cos", "tan"), "cos": ("sin",), "tan": ("sin", "cos"), "arctan": ("tan",),
+    "atan": ("tan",),
+    "max": ("sum", "min"), "min": ("sum", "max"), "sum": ("max", "min", "prod"),
+    "amax": ("sum",), "amin": ("sum",), "mean": ("sum",), "median": ("mean",), "prod": ("sum",),
+    "argmax": ("argmin",), "argmin": ("argmax",), "cumprod": ("cumsum",),
+    "log": ("exp",), "log10": ("log",), "log2": ("log",), "log1p": ("log",), "exp": ("log",),
+    "round": ("floor",), "rint": ("floor",), "ceil": ("floor",), "floor": ("round",),
+    "degrees": ("radians",), "radians": ("degrees",), "rad2deg": ("deg2rad",),
+    "deg2rad": ("rad2deg",), "sqrt": ("square",),
+    "ones": ("zeros",), "zeros": ("ones",), "random": ("standard_normal",),
+    "rand": ("standard_normal",),
+}  # fmt: skip
+"""What is taken for what, by the last part of the function's name."""
+NUMBERS = (0, 1, 2, 3, 0.5, 0.95, 0.05, 0.1, 0.001, 0.01, math.pi, math.tau)
+"""Numbers that lessons name, besides those of the code itself."""
+CALLED_OFF = frozenset(
+    (
+        "abs", "fabs", "sqrt", "log", "exp", "square", "radians", "degrees", "deg2rad", "rad2deg",
+        "round", "floor", "int", "sorted", "sort", "mean", "max", "arctan", "atan", "sin", "cos",
+        "cumsum",
+    )
+)  # fmt: skip
+"""Functions of one argument that can be one too many."""
+WRAPPERS: tuple[tuple[str, str], ...] = (
+    (phrase("a minus sign"), "-{x}"),
+    (phrase("a square root"), "({x}) ** 0.5"),
+    (phrase("a square"), "({x}) ** 2"),
+    (phrase("an absolute value"), "abs({x})"),
+    (phrase("what is left to 1"), "(1 - {x})"),
+    (phrase("radians for degrees"), "({x}) * 0.017453292519943295"),
+    (phrase("degrees for radians"), "({x}) * 57.29577951308232"),
+    (phrase("half of it"), "({x}) / 2"),
+    (phrase("twice as much"), "({x}) * 2"),
+    (phrase("one over it"), "1 / ({x})"),
+)
+"""What can be missing around a part of a line: in words, and as code."""
+TRIGONOMETRY = frozenset(["sin", "cos", "tan", "exp"])
+"""Functions of an angle."""
+ANGLES = frozenset(["radians", "degrees", "deg2rad", "rad2deg"])
+"""Functions that change an angle's unit."""
+BOUNDS = frozenset(["min", "max", "minimum", "maximum"])
+"""Functions of two arguments of which the second can be one too many."""
+ATTRIBUTES = ("u0", "v0", "slow", "fast", "height", "forward")
+"""Values of what lessons hand over that are taken for each other."""
+MOST_VALUES = 12
+"""Values of a function that are tried as factors and terms."""
+LONGEST = 400
+"""Longer functions are not mended [parts of their syntax]."""
+FEW = 10
+"""Of as many changes of a kind any two are tried together; of more only neighbours."""
+CAUSE_OF_NAME = {
+    "sin": "sine", "cos": "sine", "radians": "S4", "degrees": "S4", "round": "half-cell",
+    "rint": "half-cell", "rad2deg": "S4", "deg2rad": "S4",
+}  # fmt: skip
+"""Functions whose exchange has a name of its own."""
+CAUSE_OF_WRAPPER = {
+    "a minus sign": "slip-sign", "radians for degrees": "S4", "degrees for radians": "S4",
+}  # fmt: skip
+
+
+@dataclass(eq=False)
+class Edit:
+    """One change at one place of a program."""
+
+    cause: str
+    words: str
+    """What the line would need, in words: ``another sign``."""
+    line: int
+    kind: tuple[object, ...]
+    """Equal for changes of the same kind, which a student makes in several lines at once."""
+    parent: ast.AST
+    part: str
+    make: Make
+    index: int | None = None
+    _old: ast.AST | None = field(default=None, init=False)
+
+    def begin(self) -> None:
+        """Change the tree."""
+        if self.index is None:
+            self._old = getattr(self.parent, self.part)
+            setattr(self.parent, self.part, self.make())
+        else:
+            items = getattr(self.parent, self.part)
+            self._old = items[self.index]
+            items[self.index] = self.make()
+
+    def end(self) -> None:
+        """Change it back."""
+        if self.index is None:
+            setattr(self.parent, self.part, self._old)
+        else:
+            getattr(self.parent, self.part)[self.index] = self._old
+
+
+def mended(source: str, functions: Iterable[str]) -> Iterator[tuple[Edit, str]]:
+    """Yield changed programs, the likeliest slips first; each with what was changed.
+
+    Args:
+        source: a program that Python can read.
+        functions: where changes are made; and in what these call.
+    """
+    tree = ast.parse(source)
+    parts = [ast.unparse(item) for item in tree.body]
+    places = _reached(tree, functions)
+    candidates = sorted(
+        (edit for place in places for edit in _edits(tree.body[place])),
+        key=_rank,
+    )
+    home = {id(inner): place for place in places for inner in ast.walk(tree.body[place])}
+    for chosen in _chosen(candidates):
+        for edit in chosen:
+            edit.begin()
+        try:
+            changed = {home[id(edit.parent)] for edit in chosen}
+            written = [
+                ast.unparse(ast.fix_missing_locations(item)) if place in changed else parts[place]
+                for place, item in enumerate(tree.body)
+            ]
+        except (AttributeError, TypeError, ValueError, RecursionError):
+            continue
+        finally:
+            for edit in reversed(chosen):
+                edit.end()
+        yield chosen[0], "\n".join(written)
+
+
+def _rank(edit: Edit) -> tuple[int, bool]:
+    missing = "slip-missing" if edit.kind[0] == "wrapped" else edit.cause
+    return RANKS.index(missing), edit.kind[0] == "term"
+
+
+RANKS = (
+    "sine", "S4", "arctan", "half-cell", "slip-comparison", "slip-sign", "slip-brackets",
+    "slip-order", "slip-operator", "slip-function", "slip-number", "slip-too-much", "slip-name",
+    "slip-missing",
+)  # fmt: skip
+"""Causes in the order in which they are tried; what has a name of its own comes first."""
+
+
+def _chosen(candidates: list[Edit]) -> Iterator[tuple[Edit, ...]]:
+    """Yield each change alone, then two of one kind, all of one kind; and at last terms."""
+    terms = [edit for edit in candidates if edit.kind[0] == "term"]
+    candidates = [edit for edit in candidates if edit.kind[0] != "term"]
+    yield from ((edit,) for edit in candidates)
+    kinds: dict[tuple[object, ...], list[Edit]] = {}
+    for edit in candidates:
+        kinds.setdefault(edit.kind, []).append(edit)
+    for alike in kinds.values():
+        pairs = combinations(alike, 2) if len(alike) <= FEW else pairwise(alike)
+        yield from (pair for pair in pairs if not _nested(pair))
+    for alike in kinds.values():
+        if 2 < len(alike) < 9 and not _nested(tuple(alike)):
+            yield tuple(alike)
+    yield from ((edit,) for edit in terms)
+
+
+def _nested(chosen: tuple[Edit, ...]) -> bool:
+    """Return whether one change is inside of what another one replaces."""
+    places = [(id(edit.parent), edit.part, edit.index) for edit in chosen]
+    if len(set(places)) < len(places):
+        return True
+    for outer in chosen:
+        kept = getattr(outer.parent, outer.part)
+        kept = kept if outer.index is None else kept[outer.index]
+        roots = kept if isinstance(kept, list) else [kept]
+        inside = {id(item) for root in roots for item in ast.walk(root)}
+        if any(id(inner.parent) in inside for inner in chosen):
+            return True
+    return False
+
+
+def _reached(tree: ast.Module, functions: Iterable[str]) -> list[int]:
+    """Return where the functions are, and those that they call."""
+    where = {
+        item.name: place
+        for place, item in enumerate(tree.body)
+        if isinstance(item, ast.FunctionDef)
+    }
+    waiting, reached = [name for name in functions if name in where], list[int]()
+    while waiting:
+        place = where[waiting.pop(0)]
+        if place in reached or sum(1 for _ in ast.walk(tree.body[place])) > LONGEST:
+            continue
+        reached.append(place)
+        names = (item.id for item in ast.walk(tree.body[place]) if isinstance(item, ast.Name))
+        waiting += [name for name in names if name in where]
+    return reached
+
+
+def _edits(function: ast.stmt) -> Iterator[Edit]:
+    names = _names(function)
+    numbers = _numbers(function)
+    values = _values(function)
+    for parent in ast.walk(function):
+        yield from _operators(parent)
+        yield from _orders(parent)
+        yield from _lines(parent)
+        for part, index, child in _children(parent):
+            if isinstance(child, ast.expr):
+                yield from _expressions(parent, part, index, child, names, numbers, values)
+
+
+def _children(parent: ast.AST) -> Iterator[tuple[str, int | None, ast.AST]]:
+    for part, value in ast.iter_fields(parent):
+        if isinstance(value, ast.AST):
+            yield part, None, value
+        elif isinstance(value, list):
+            yield from (
+                (part, index, item) for index, item in enumerate(value) if isinstance(item, ast.AST)
+            )
+
+
+def _names(function: ast.stmt) -> list[str]:
+    """Return names of values in a function: its arguments, and what it sets."""
+    names = dict[str, None]()
+    for item in ast.walk(function):
+        if isinstance(item, ast.arg):
+            names[item.arg] = None
+        if isinstance(item, ast.Name) and isinstance(item.ctx, ast.Store):
+            names[item.id] = None
+    return list(names)
+
+
+def _values(function: ast.stmt) -> list[ast.expr]:
+    """Return what a function works with, each once: names, and calls that make a number."""
+    values = dict[str, ast.expr]()
+    for item in ast.walk(function):
+        call = isinstance(item, ast.Call) and _last_name(item.func) in ("sin", "cos", "tan", "sum")
+        value = isinstance(item, ast.Name) and isinstance(item.ctx, ast.Store)
+        part = isinstance(item, ast.Attribute) and item.attr in ATTRIBUTES
+        if call or part:
+            values.setdefault(ast.dump(item), item)  # type: ignore[arg-type]
+        elif value:
+            name = ast.Name(item.id, ast.Load())  # type: ignore[attr-defined]
+            values.setdefault(ast.dump(name), name)
+    return list(values.values())[:MOST_VALUES]
+
+
+def _numbers(function: ast.stmt) -> list[float]:
+    own: list[float] = [
+        item.value  # type: ignore[misc]
+        for item in ast.walk(function)
+        if isinstance(item, ast.Constant) and type(item.value) in (int, float)
+    ]
+    return list(dict.fromkeys([*own, *NUMBERS]))
+
+
+def _operators(parent: ast.AST) -> Iterator[Edit]:
+    line = getattr(parent, "lineno", 0)
+    if isinstance(parent, ast.BinOp | ast.BoolOp | ast.AugAssign):
+        for new in OPPOSITE.get(type(parent.op), ()):
+            yield _operator(parent, "op", None, type(parent.op), new, line)
+    if isinstance(parent, ast.Compare):
+        for new in OPPOSITE.get(type(parent.ops[0]), ()):
+            yield _operator(parent, "ops", 0, type(parent.ops[0]), new, line)
+
+
+def _operator(
+    parent: ast.AST,
+    part: str,
+    index: int | None,
+    old: type[ast.AST],
+    new: type[ast.AST],
+    line: int,
+) -> Edit:
+    cause, words = "slip-operator", phrase("another operator")
+    if old in SIGNS:
+        cause, words = "slip-sign", phrase("another sign")
+    elif issubclass(old, COMPARISONS):
+        cause, words = "slip-comparison", phrase("another comparison")
+    kind = ("operator", old, new) if old not in SIGNS else ("operator", "sign")
+    return Edit(cause, words, line, kind, parent, part, new, index)
+
+
+def _orders(parent: ast.AST) -> Iterator[Edit]:
+    """Exchange two arguments, parts of a result, of an index, or of what is unpacked."""
+    if isinstance(parent, ast.Call) and len(parent.args) == 2 and not parent.keywords:
+        name = _last_name(parent.func)
+        cause = "arctan" if name in ("arctan2", "atan2") else "slip-order"
+        yield _exchange(parent, "args", (0, 1), cause, ("arguments", name))
+    if isinstance(parent, ast.Tuple | ast.List):
+        count = len(parent.elts)
+        pairs = [(a, b) for a in range(count) for b in range(a + 1, count)] if count < 6 else []
+        for pair in pairs:
+            yield _exchange(parent, "elts", pair, "slip-order", ("elements", pair))
+
+
+def _exchange(
+    parent: ast.AST, part: str, pair: tuple[int, int], cause: str, kind: tuple[object, ...]
+) -> Edit:
+    items = getattr(parent, part)
+    swapped = list(items)
+    swapped[pair[0]], swapped[pair[1]] = items[pair[1]], items[pair[0]]
+    line = getattr(parent, "lineno", 0)
+    make: Callable[[], object] = lambda: swapped  # noqa: E731
+    return Edit(cause, phrase("the other order"), line, kind, parent, part, make)  # type: ignore[arg-type]
+
+
+def _lines(parent: ast.AST) -> Iterator[Edit]:
+    """Exchange two lines, leave one out, or move one out of a loop or before it."""
+    for part in ("body", "orelse"):
+        lines = getattr(parent, part, None)
+        if not isinstance(lines, list):
+            continue
+        for index in range(len(lines) - 1):
+            if isinstance(lines[index + 1], ast.Return) or isinstance(lines[index], ast.Return):
+                continue
+            swapped = [*lines[:index], lines[index + 1], lines[index], *lines[index + 2 :]]
+            yield _rewritten(
+                parent, part, swapped, lines[index], "slip-order", phrase("the other order")
+            )
+        for index, item in enumerate(lines):
+            if len(lines) > 1 and not isinstance(item, ast.Return | ast.FunctionDef):
+                left = [*lines[:index], *lines[index + 1 :]]
+                yield _rewritten(parent, part, left, item, "slip-too-much", phrase("one line less"))
+            if isinstance(item, ast.For | ast.While):
+                yield from _around_loop(parent, part, lines, index, item)
+
+
+def _around_loop(
+    parent: ast.AST, part: str, lines: list[ast.stmt], index: int, loop: ast.For | ast.While
+) -> Iterator[Edit]:
+    words = phrase("its place inside or outside of the loop")
+    if index:
+        inner = _with_body(loop, [lines[index - 1], *loop.body])
+        moved = [*lines[: index - 1], inner, *lines[index + 1 :]]
+        yield _rewritten(parent, part, moved, lines[index - 1], "slip-order", words)
+    if len(loop.body) > 1:
+        last = loop.body[-1]
+        outer = [_with_body(loop, loop.body[:-1]), last]
+        moved = [*lines[:index], *outer, *lines[index + 1 :]]
+        yield _rewritten(parent, part, moved, last, "slip-order", words)
+        first = loop.body[0]
+        outer = [first, _with_body(loop, loop.body[1:])]
+        moved = [*lines[:index], *outer, *lines[index + 1 :]]
+        yield _rewritten(parent, part, moved, first, "slip-order", words)
+
+
+def _with_body(loop: ast.For | ast.While, body: list[ast.stmt]) -> ast.stmt:
+    if isinstance(loop, ast.For):
+        return ast.For(loop.target, loop.iter, body, loop.orelse, lineno=loop.lineno)
+    return ast.While(loop.test, body, loop.orelse, lineno=loop.lineno)
+
+
+def _rewritten(
+    parent: ast.AST, part: str, lines: list[ast.stmt], item: ast.stmt, cause: str, words: str
+) -> Edit:
+    make: Callable[[], object] = lambda: lines  # noqa: E731
+    kind = ("lines", cause, item.lineno)
+    return Edit(cause, words, item.lineno, kind, parent, part, make)  # type: ignore[arg-type]
+
+
+@dataclass(frozen=True, eq=False)
+class _Place:
+    """Where an expression stands: what holds it, in which part."""
+
+    parent: ast.AST
+    part: str
+    index: int | None
+    line: int
+
+    def edit(self, cause: str, words: str, kind: tuple[object, ...], new: ast.AST) -> Edit:
+        """Return the edit that puts another expression there."""
+        return Edit(cause, words, self.line, kind, self.parent, self.part, lambda: new, self.index)
+
+
+def _expressions(
+    parent: ast.AST,
+    part: str,
+    index: int | None,
+    child: ast.expr,
+    names: list[str],
+    numbers: list[float],
+    values: list[ast.expr],
+) -> Iterator[Edit]:
+    place = _Place(parent, part, index, getattr(child, "lineno", 0))
+    if not isinstance(getattr(child, "ctx", ast.Load()), ast.Load):
+        return
+    if isinstance(child, ast.Slice | ast.Starred | ast.Lambda):
+        return
+    if isinstance(parent, ast.Call) and part == "func":
+        yield from _functions(place, child)
+    elif isinstance(child, ast.Constant):
+        yield from _constants(place, child, names, numbers)
+    else:
+        yield from _less(place, child)
+        yield from _brackets(place, child)
+        yield from _terms(place, child, values)
+        yield from _named(place, child, names)
+        yield from _more(place, child)
+
+
+def _functions(place: _Place, child: ast.expr) -> Iterator[Edit]:
+    name = _last_name(child)
+    for new in FUNCTIONS.get(name, ()):
+        pair = (name, new)
+        cause = "slip-function" if "tan" in pair else CAUSE_OF_NAME.get(name, "slip-function")
+        kind = ("function", *sorted(pair))
+        yield place.edit(cause, phrase("another function"), kind, _renamed(child, new))
+
+
+def _constants(
+    place: _Place, child: ast.Constant, names: list[str], numbers: list[float]
+) -> Iterator[Edit]:
+    if type(child.value) not in (int, float):
+        return
+    old: float = child.value  # type: ignore[assignment]
+    for value in numbers:
+        if value != old:
+            kind = ("number", *sorted((old, value)))
+            yield place.edit("slip-number", phrase("another number"), kind, ast.Constant(value))
+    if isinstance(place.parent, ast.BinOp):
+        for name in names:
+            value_of = ast.Name(name, ast.Load())
+            kind = ("number", str(old), name)
+            yield place.edit("slip-number", phrase("a value for the number"), kind, value_of)
+
+
+def _less(place: _Place, child: ast.expr) -> Iterator[Edit]:
+    """Leave out a sign, a term, or a function; or turn a difference or a ratio round."""
+    if isinstance(child, ast.UnaryOp) and isinstance(child.op, ast.USub):
+        yield place.edit("slip-sign", phrase("no minus sign"), ("minus",), child.operand)
+    if isinstance(child, ast.UnaryOp) and isinstance(child.op, ast.Not | ast.Invert):
+        yield place.edit("slip-comparison", phrase("the opposite"), ("not",), child.operand)
+    if isinstance(child, ast.BinOp) and not isinstance(child.op, ast.MatMult):
+        for side in (child.left, child.right):
+            kind = ("dropped", type(child.op), ast.dump(side))
+            yield place.edit("slip-too-much", phrase("one term less"), kind, side)
+    if isinstance(child, ast.BinOp) and isinstance(child.op, ast.Sub):
+        turned = ast.BinOp(child.right, ast.Sub(), child.left)
+        yield place.edit("slip-sign", phrase("another sign"), ("turned",), turned)
+    if isinstance(child, ast.BinOp) and isinstance(child.op, ast.Div):
+        turned = ast.BinOp(child.right, ast.Div(), child.left)
+        yield place.edit("slip-operator", phrase("the other way round"), ("turned over",), turned)
+    if isinstance(child, ast.Call):
+        name = _last_name(child.func)
+        inner = child.args[0] if child.args else getattr(child.func, "value", None)
+        alone = name in CALLED_OFF and len(child.args) < 2
+        if inner is not None and (alone or (name in BOUNDS and len(child.args) == 2)):
+            cause = "S4" if name in ANGLES else "slip-too-much"
+            yield place.edit(cause, phrase("one function less"), ("call", name), inner)
+
+
+def _brackets(place: _Place, child: ast.expr) -> Iterator[Edit]:
+    """Take other parts of a formula together: of (a + b) / c, f(a) + b, or a + b / c."""
+    made: list[ast.expr] = []
+    if isinstance(child, ast.BinOp):
+        left, right = child.left, child.right
+        if isinstance(left, ast.BinOp) and type(left.op) is not type(child.op):
+            inner = ast.BinOp(left.right, child.op, right)
+            made.append(ast.BinOp(left.left, left.op, inner))
+        if isinstance(right, ast.BinOp) and type(right.op) is not type(child.op):
+            inner = ast.BinOp(left, child.op, right.left)
+            made.append(ast.BinOp(inner, right.op, right.right))
+        if isinstance(left, ast.Call) and len(left.args) == 1 and not left.keywords:
+            made.append(ast.Call(left.func, [ast.BinOp(left.args[0], child.op, right)], []))
+    for new in made:
+        yield place.edit("slip-brackets", phrase("other brackets"), ("brackets",), new)
+
+
+def _terms(place: _Place, child: ast.expr, values: list[ast.expr]) -> Iterator[Edit]:
+    """Put in a factor or a term that is one of the function's own values."""
+    if not isinstance(child, ast.BinOp | ast.Call | ast.Name | ast.Subscript):
+        return
+    if not isinstance(place.parent, ast.BinOp | ast.Assign | ast.Return | ast.Tuple):
+        return
+    for value in values:
+        for operator, words in (
+            (ast.Mult, phrase("another factor")), (ast.Div, phrase("another factor")),
+            (ast.Add, phrase("another term")), (ast.Sub, phrase("another term")),
+        ):  # fmt: skip
+            new = ast.BinOp(child, operator(), value)
+            kind = ("term", operator, ast.dump(value))
+            yield place.edit("slip-missing", words, kind, new)
+
+
+def _named(place: _Place, child: ast.expr, names: list[str]) -> Iterator[Edit]:
+    """Take another value for the one that is named."""
+    if isinstance(child, ast.Name) and child.id in names:
+        for name in names:
+            if name != child.id:
+                kind = ("name", *sorted((child.id, name)))
+                yield place.edit(
+                    "slip-name", phrase("another value"), kind, ast.Name(name, ast.Load())
+                )
+    if isinstance(child, ast.Attribute) and child.attr in ATTRIBUTES:
+        for name in ATTRIBUTES:
+            if name != child.attr:
+                kind = ("attribute", *sorted((child.attr, name)))
+                other = ast.Attribute(child.value, name, ast.Load())
+                yield place.edit("slip-name", phrase("another value"), kind, other)
+
+
+def _more(place: _Place, child: ast.expr) -> Iterator[Edit]:
+    """Add what can be missing around an expression."""
+    if not isinstance(child, ast.BinOp | ast.Call | ast.Name | ast.Subscript | ast.Attribute):
+        return
+    if isinstance(place.parent, ast.Subscript | ast.Attribute | ast.For | ast.comprehension):
+        return
+    asked = isinstance(place.parent, ast.Compare | ast.BoolOp | ast.If | ast.While)
+    angle = isinstance(place.parent, ast.Assign | ast.Return | ast.Tuple) or (
+        isinstance(place.parent, ast.Call) and _last_name(place.parent.func) in TRIGONOMETRY
+    )
+    for words, code in WRAPPERS:
+        cause = CAUSE_OF_WRAPPER.get(words, "slip-missing")
+        if words == "an absolute value" or (not asked and (angle or cause != "S4")):
+            yield place.edit(cause, words, ("wrapped", code), _wrapped(child, code))
+    if isinstance(place.parent, ast.If | ast.While):
+        opposite = ast.UnaryOp(ast.Not(), child)
+        yield place.edit("slip-comparison", phrase("the opposite"), ("not",), opposite)
+
+
+def _wrapped(child: ast.expr, code: str) -> ast.expr:
+    made = ast.parse(code.format(x="x_"), mode="eval").body
+    for item in ast.walk(made):
+        for part, index, inner in _children(item):
+            if isinstance(inner, ast.Name) and inner.id == "x_":
+                if index is None:
+                    setattr(item, part, child)
+                else:
+                    getattr(item, part)[index] = child
+                return made
+    return made
+
+
+def _last_name(function: ast.AST) -> str:
+    if isinstance(function, ast.Attribute):
+        return function.attr
+    return function.id if isinstance(function, ast.Name) else ""
+
+
+def _renamed(function: ast.AST, name: str) -> ast.AST:
+    if isinstance(function, ast.Attribute):
+        return ast.Attribute(function.value, name, ast.Load())
+    return ast.Name(name, ast.Load())

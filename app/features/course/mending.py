@@ -1,0 +1,111 @@
+"""``mend``: the one small change of a student's code with which all its cases pass, if any."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from itertools import islice
+from typing import Any
+
+import numpy as np
+
+from app.features.course.grader.case import Case, Checks, FormError, Outcome
+from app.features.course.grader.diagnosis import Measured, agree
+from app.features.course.grader.edits import Edit, mended
+from app.features.course.sandbox.file_clock import FileClock
+from app.features.course.sandbox.student_process import Answer, StudentError, StudentProcess
+
+MOST_CHANGES, MOST_SLOW = 4000, 600
+"""Changes that are tried; and where one case takes long, as a cloud of particles does."""
+SLOW_CALLS, SLOW_NUMBERS = 4, 5000
+"""A case with more calls, or with more numbers in what it is given, is slow."""
+MOST_ENDS = 8
+"""Changed programs that may run without an end."""
+CALL_S = 0.5
+"""Processor time of one call of a changed program [s]."""
+
+
+@dataclass(frozen=True)
+class Mended:
+    """A change that makes all cases pass."""
+
+    cause: str
+    words: str
+    line: int
+
+
+def answered(process: StudentProcess, case: Case, seconds: float | None = None) -> Outcome:
+    """Ask a case of a student's process.
+
+    Raises:
+        StudentError: there is no result.
+    """
+    case.begin()
+    if case.play is not None:
+
+        def ask(*arguments: Any, seed: int | None = None) -> Answer:
+            return process.call(case.function, arguments, seed, case.offered, seconds=seconds)
+
+        return Outcome(case, (Answer(case.play(ask)),))
+    answers = [
+        process.call(case.function, case.arguments, seed, case.offered, seconds=seconds)
+        for seed in case.seeds or (None,)
+    ]
+    return Outcome(case, tuple(answers))
+
+
+def mend(
+    student: StudentProcess, checks: Checks, measured: Sequence[Measured], clock: FileClock
+) -> Mended | None:
+    """Return the first small change with which all measured cases pass; None if there is none."""
+    order = _quick_first(measured)
+    try:
+        changes = _limited(student.source, checks, order[0])
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        return None
+    for _ in range(MOST_ENDS):
+        with suppress(StudentError), StudentProcess(student.path, student.source, clock) as process:
+            for edit, source in changes:
+                if _passes(process, source, checks, order):
+                    return Mended(edit.cause, edit.words, edit.line)
+                if process.broken:
+                    break
+            else:
+                break
+    return None
+
+
+def _quick_first(measured: Sequence[Measured]) -> list[Measured]:
+    """Return what failed, with the fewest calls and numbers first; then what passed."""
+    return sorted(
+        (item for item in measured if item.case.play is None),
+        key=lambda item: (item.passed, *_cost(item.case)),
+    )
+
+
+def _cost(case: Case) -> tuple[int, int]:
+    sizes = [value.size for value in case.arguments if isinstance(value, np.ndarray)]
+    return max(1, len(case.seeds)), sum(sizes)
+
+
+def _limited(source: str, checks: Checks, first: Measured) -> Iterator[tuple[Edit, str]]:
+    calls, numbers = _cost(first.case)
+    slow = calls > SLOW_CALLS or numbers > SLOW_NUMBERS
+    return islice(mended(source, checks.functions), MOST_SLOW if slow else MOST_CHANGES)
+
+
+def _passes(
+    process: StudentProcess, source: str, checks: Checks, order: Sequence[Measured]
+) -> bool:
+    outcomes = []
+    try:
+        process.replace(source)
+        for item in order:
+            outcome = answered(process, item.case, CALL_S)
+            if not agree(checks.features(outcome), item.expected, item.case.tolerance):
+                return False
+            outcomes.append(outcome)
+        return not any(checks.signs(outcomes))
+    except (StudentError, FormError):
+        return False

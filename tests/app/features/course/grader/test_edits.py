@@ -1,0 +1,65 @@
+"""Edits: each is a program that Python can read, and the one that mends a slip is among them."""
+
+from __future__ import annotations
+
+import ast
+
+import pytest
+from course.solutions import BASES
+
+from app.features.course.grader.causes.causes import CAUSES
+from app.features.course.grader.edits import mended
+
+RIGHT = """
+def area(width, height):
+    half = width * height / 2
+    return [half, max(half, 1)]
+"""
+
+
+@pytest.mark.parametrize(
+    ("wrong", "cause"),
+    [
+        (("width * height", "width / height"), "slip-operator"),
+        (("height / 2", "height / 3"), "slip-number"),
+        (("height / 2", "width / 2"), "slip-name"),
+        (("max(half", "min(half"), "slip-function"),
+        (("width * height / 2", "-width * height / 2"), "slip-sign"),
+        (("width * height / 2", "width * abs(height) / 2"), "slip-too-much"),
+        (("[half, max(half, 1)]", "[max(half, 1), half]"), "slip-order"),
+        (("width * height / 2", "width * height"), "slip-missing"),
+    ],
+)
+def test_one_edit_makes_a_wrong_program_right(wrong, cause):
+    source = RIGHT.replace(*wrong)
+    assert source != RIGHT
+    due = [_result(RIGHT, sides) for sides in ((2.0, 3.0), (5.0, -0.25))]
+    for edit, changed in mended(source, ["area"]):
+        if [_result(changed, sides) for sides in ((2.0, 3.0), (5.0, -0.25))] == due:
+            assert edit.cause == cause
+            assert edit.line in (3, 4)
+            return
+    pytest.fail("no edit mends it")
+
+
+def _result(source, sides):
+    names = {}
+    try:
+        exec(source, names)
+        return names["area"](*sides)
+    except Exception as error:
+        return repr(error)
+
+
+def test_edits_leave_the_program_as_it_was():
+    before = ast.unparse(ast.parse(BASES["loops"]))
+    changed = [source for _, source in mended(BASES["loops"], ["odometry"])]
+    assert before not in changed
+    assert len(set(changed)) > len(changed) / 2
+    assert all("def inject(" in source for source in changed[::100])
+
+
+def test_all_causes_of_edits_have_words():
+    causes = {edit.cause for edit, _ in mended(BASES["arrays"], ["log_weight", "motion"])}
+    assert causes <= set(CAUSES)
+    assert "slip-sign" in causes
