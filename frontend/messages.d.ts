@@ -85,6 +85,11 @@ export interface BoardMessage {
 export interface CalibrateCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "calibrate";
   /** Whether to begin; without it the command only renews a drive that has begun. */
   start?: boolean;
@@ -126,6 +131,11 @@ export interface CalibrationMessage {
 export interface CancelCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "cancel";
   /** Only a journey that began before this time on the robot's clock [s]; null is any. */
   before?: number | null;
@@ -141,6 +151,11 @@ export interface ChangeMessage {
 export interface CloseRecordingCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "close_recording";
 }
 
@@ -201,6 +216,11 @@ export interface CurveMessage {
 export interface DeleteStrokeCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "delete_stroke";
   /** Its number, from 0 on, in ``/api/mapping``. */
   stroke: number;
@@ -212,6 +232,11 @@ export interface DeleteStrokeCommand {
 export interface DiscardMapCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "discard_map";
 }
 
@@ -222,6 +247,11 @@ export interface DiscardMapCommand {
 export interface DriveCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "drive";
   v: number;
   omega: number;
@@ -231,8 +261,10 @@ export interface DriveCommand {
 export interface DriverMessage {
   /** Name of the client; null while nobody drives. */
   name: string | null;
-  /** Whether it is this connection. */
+  /** Whether it is this connection, or another page of the same browser. */
   mine: boolean;
+  /** Whether it is this connection itself. */
+  this_page: boolean;
   /** Whether a stop holds: drive commands that only continue those before it are refused. */
   stopped: boolean;
 }
@@ -270,6 +302,11 @@ export interface EstimateMessage {
 export interface ExploreCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "explore";
   /** Whether to begin; without it the command only renews a drive that has begun. */
   start?: boolean;
@@ -323,6 +360,11 @@ export interface FieldMessage {
 export interface FigureEightCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "figure_eight";
   /** Whether to begin again; that is refused if the robot is known to leave the field. */
   start?: boolean;
@@ -337,6 +379,11 @@ export interface FigureEightCommand {
 export interface FilterByHandCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "filter_by_hand";
   on: boolean;
 }
@@ -367,6 +414,11 @@ export interface FilterMessage {
 export interface FilterStepCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "filter_step";
   step: "predict" | "weigh" | "resample";
 }
@@ -375,6 +427,11 @@ export interface FilterStepCommand {
 export interface FilterUndoCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "filter_undo";
 }
 
@@ -382,6 +439,11 @@ export interface FilterUndoCommand {
 export interface FinishCalibrationCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "finish_calibration";
 }
 
@@ -389,6 +451,11 @@ export interface FinishCalibrationCommand {
 export interface FinishMapCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "finish_map";
 }
 
@@ -518,6 +585,11 @@ export interface IntegrityMessage {
 export interface JoinStrokesCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "join_strokes";
   stroke: number;
   /** Their numbers, from 0 on, in ``/api/mapping``. */
@@ -730,6 +802,11 @@ export interface MappingMessage {
 export interface MoveEndCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "move_end";
   /** Its number, from 0 on, in ``/api/mapping``. */
   stroke: number;
@@ -749,6 +826,11 @@ export interface MoveEndCommand {
 export interface NavigateCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "navigate";
   /** Where to; null, without a curve, only renews the journey that there is. */
   poses?: GoalMessage[] | null;
@@ -796,6 +878,11 @@ export interface NavigationPathMessage {
 export interface OpenRecordingCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "open_recording";
   /** Its name in ``/api/recordings``. */
   name: string;
@@ -846,6 +933,11 @@ export interface ParticlesMessage {
 export interface PauseCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "pause";
 }
 
@@ -856,6 +948,11 @@ export interface PauseCommand {
 export interface PauseMapCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "pause_map";
   /** Null toggles. */
   paused?: boolean | null;
@@ -877,6 +974,11 @@ export interface PictureMessage {
 export interface PingCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "ping";
 }
 
@@ -884,6 +986,11 @@ export interface PingCommand {
 export interface PlaceCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "place";
   x: number;
   y: number;
@@ -982,6 +1089,11 @@ export interface ProfileMessage {
 export interface RecordCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "record";
   on: boolean;
 }
@@ -1015,6 +1127,11 @@ export interface RecordingMessage {
 export interface ReplayCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "replay";
   paused?: boolean | null;
   /** Seconds of the recording per second. */
@@ -1046,6 +1163,11 @@ export interface ReplayMessage {
 export interface ResetCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "reset";
 }
 
@@ -1053,6 +1175,11 @@ export interface ResetCommand {
 export interface ResumeCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "resume";
 }
 
@@ -1083,6 +1210,11 @@ export interface RobotMessage {
 export interface RouteCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "route";
   x: number;
   y: number;
@@ -1096,7 +1228,69 @@ export interface RouteCommand {
 export interface RunAgainCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "run_again";
+}
+
+/** How the error of a run differs from that of the run it is compared with. */
+export interface RunDifferenceMessage {
+  /** Root mean square error of the run less the other one's [m]. */
+  rmse: number;
+  low: number | null;
+  /** Interval that holds the difference in 95 % [m]; null if a run is shorter than ten seconds. */
+  high: number | null;
+  /** Whether both saw the same pictures. */
+  paired: boolean;
+}
+
+/** One run, over all of it or over its end. */
+export interface RunMessage {
+  number: number;
+  /** Name of the recording that it replays; empty if the robot drove. */
+  file: string;
+  field: string;
+  /** Whether its estimates are those that the recording has. */
+  recorded: boolean;
+  /** Whether it goes on. */
+  present: boolean;
+  kept: boolean;
+  /** The filter's parameters that are not as they were at the start, by name. */
+  parameters: Record<string, number | string | boolean>;
+  /** The same ones as they were at the start. */
+  standard: Record<string, number | string | boolean>;
+  /** Their units, where they have any. */
+  units: Record<string, string>;
+  pictures: number;
+  /** How long the pictures that count go on [s]. */
+  seconds: number;
+  /** Root mean square of the distances from the truth [m]; null without an estimate. */
+  rmse: number | null;
+  /** [m] */
+  median: number | null;
+  /** [m] */
+  worst: number | null;
+  /** Share of the pictures at which the estimate is not within 50 mm and 10 degrees. */
+  lost: number;
+  /**
+   * Share of the pictures at which it says certain and the truth lies outside its bounds; null
+   * where that is not recorded.
+   */
+  misleading: number | null;
+  /** From the beginning until it is right for a second [s]; null if it never is. */
+  time_to_right: number | null;
+  /** From the run that all are compared with; null for that run itself. */
+  difference: RunDifferenceMessage | null;
+}
+
+/** The runs that are listed, the newest first. */
+export interface RunsMessage {
+  /** Number of the run that all are compared with. */
+  against: number | null;
+  runs: RunMessage[];
 }
 
 /**
@@ -1106,6 +1300,11 @@ export interface RunAgainCommand {
 export interface SaveMapCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "save_map";
   name: string;
   /**
@@ -1134,6 +1333,11 @@ export interface ScanMessage {
 export interface ScatterCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "scatter";
 }
 
@@ -1144,6 +1348,11 @@ export interface ScatterCommand {
 export interface SetCalibrationCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "set_calibration";
   /** Differences by name, in the units of the profile's file [rad, m, s, relative]. */
   values: Record<string, number>;
@@ -1159,6 +1368,11 @@ export interface SetCalibrationCommand {
 export interface SetFaultsCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "set_faults";
   /** Values by name; ``/api/faults`` lists the names. */
   values: Record<string, number | string>;
@@ -1168,6 +1382,11 @@ export interface SetFaultsCommand {
 export interface SetParametersCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "set_parameters";
   values: Record<string, number | string | boolean>;
 }
@@ -1176,6 +1395,11 @@ export interface SetParametersCommand {
 export interface SetParticlesCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "set_particles";
   /** x, y, theta of each pose. */
   poses: [number, number, number][];
@@ -1187,6 +1411,11 @@ export interface SetParticlesCommand {
 export interface SetPoseCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "set_pose";
   x: number;
   y: number;
@@ -1207,6 +1436,11 @@ export interface SetPoseCommand {
 export interface SetWallsCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "set_walls";
   /** Whether the robot may cross tape; null leaves that as it is. */
   tape?: "wall" | "ignored" | null;
@@ -1218,6 +1452,11 @@ export interface SetWallsCommand {
 export interface ShowCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "show";
   layer: "particles" | "headings" | "rays" | "covariance" | "paths" | "truth" | "camera";
   visible: boolean;
@@ -1227,6 +1466,11 @@ export interface ShowCommand {
 export interface StartMapCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "start_map";
   /** Whether to forget an unsaved map; otherwise the command is refused if there is one. */
   discard?: boolean;
@@ -1241,6 +1485,11 @@ export type State = "certain" | "approximate" | "ambiguous" | "searching" | "los
 export interface StopCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "stop";
 }
 
@@ -1256,6 +1505,11 @@ export interface StrokeMessage {
 export interface TakeCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "take";
 }
 
@@ -1312,6 +1566,11 @@ export interface TwistMessage {
 export interface UndoCalibrationCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "undo_calibration";
 }
 
@@ -1319,6 +1578,11 @@ export interface UndoCalibrationCommand {
 export interface UndoCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "undo";
 }
 
@@ -1326,6 +1590,11 @@ export interface UndoCommand {
 export interface UndoEditCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "undo_edit";
   /** Of that drawing. */
   version: number;
@@ -1349,6 +1618,11 @@ export interface UnknownMessage {
 export interface UpdateCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "update";
 }
 
@@ -1359,6 +1633,11 @@ export interface UpdateCommand {
 export interface UseFieldCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "use_field";
   /** One of ``/api/fields``, or generated- and a number. */
   name: string;

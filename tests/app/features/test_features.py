@@ -62,6 +62,7 @@ NAMES = [
     "picture_odometry",
     "recordings",
     "ros",
+    "runs",
     "weighing",
 ]
 CORE = 285, 33_000
