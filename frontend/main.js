@@ -4,6 +4,7 @@ import { CameraPanel } from "./camera/panel.js";
 import { endedWords } from "./drive/ended.js";
 import { Home } from "./drive/home.js";
 import { DrivePanel } from "./drive/panel.js";
+import { offerStageBar } from "./drive/stage_bar.js";
 import { FieldPanel } from "./field/panel.js";
 import { RunAgain } from "./filter/again.js";
 import { FilterPanel } from "./filter/panel.js";
@@ -11,6 +12,7 @@ import { offerHelp } from "./help/help.js";
 import { Layout } from "./layout/layout.js";
 import { Journey } from "./features/navigation/journey.js";
 import { LayoutMenu } from "./layout/menu.js";
+import { Scenes } from "./layout/scenes.js";
 import { MapPanel } from "./map/panel.js";
 import { MappingPanel } from "./features/mapping/panel.js";
 import { dismissByKey, dismissByPress } from "./page/boxes.js";
@@ -19,6 +21,7 @@ import { find, findButton, findInput } from "./page/elements.js";
 import { FirstStart } from "./page/first_start.js";
 import { offerLanguages, t } from "./page/language.js";
 import { refreshPalette } from "./page/palette.js";
+import { More } from "./page/more.js";
 import { keepName, liveAddress, personName } from "./page/person.js";
 import { PhoneTabs } from "./page/phone.js";
 import { addDelay, exposeProbe } from "./page/probe.js";
@@ -54,6 +57,8 @@ const PICTURES = 15;
 refreshPalette();
 const appearance = new Appearance(findButton("theme"), findButton("large-text"));
 offerLanguages(find("language", HTMLSelectElement));
+new More();
+offerStageBar();
 const loop = new DrawLoop();
 const connection = new Connection(liveAddress("dashboard"));
 const toasts = new Toasts(find("toasts", HTMLElement));
@@ -103,6 +108,7 @@ if (document.querySelector("main > [data-script]")) {
 }
 const layout = new Layout((text) => toasts.show(text));
 new LayoutMenu(layout, toasts);
+const scenes = new Scenes(order, layout, toasts);
 const nameField = findInput("person-name");
 nameField.value = personName();
 nameField.onchange = () => {
@@ -147,6 +153,7 @@ function take(news) {
   drive.follow(news);
   if (drive.drive.drives) toasts.withdraw();
   home.follow(news);
+  scenes.follow(news);
   fieldPanel.follow(news);
   calibration.follow(news);
   mapping.follow(news);

@@ -94,7 +94,11 @@ export class DrivePanel {
   /** @param {OwnDrive} eight @param {(command: Command) => Promise<boolean>} order */
   #toggleEight(eight, order) {
     if (eight.mine) eight.end();
-    else if (this.drive.mayBegin) eight.begin();
+    else if (this.drive.mayBegin) {
+      // What was asked for is seen at once; what is so, when the robot has told.
+      this.#eight.setAttribute("aria-pressed", "true");
+      eight.begin().then(() => this.#show());
+    }
     // The refusal says who drives, and what to do.
     else if (this.drive.possible) order({ ...this.drive.programmed("figure_eight"), start: true });
   }

@@ -152,7 +152,7 @@ def _blocks(samples: RunSamples, start: float) -> Array:
     """Return (m, 2) sum of squared errors [m^2] and number of pictures of each block with any."""
     number = ((samples.stamps - start) // BLOCK_S).astype(int)
     squares = np.bincount(number, samples.errors**2)
-    counts = np.bincount(number)
+    counts = np.bincount(number).astype(float)
     result: Array = np.column_stack((squares, counts))[counts > 0]
     return result
 

@@ -87,15 +87,13 @@ def _message(
     figures, standard = figures_of(samples), log.standard or {}
     assert figures is not None  # it has pictures
     changed = {} if run.recorded else differences(run.parameters, standard)
-    difference = None
-    if other is not None and run.number != against:
-        apart = difference_of(samples, other)
-        difference = apart and RunDifferenceMessage(**asdict(apart))
+    compared = None if other is None or run.number == against else difference_of(samples, other)
+    difference = None if compared is None else RunDifferenceMessage(**asdict(compared))
     values = asdict(figures)
     if run.recorded:
         values["misleading"] = None
     return RunMessage(
-        number=run.number, file=run.file, field=run.field, recorded=run.recorded,
+        number=run.number, file=run.file, field=run.place, recorded=run.recorded,
         present=run in log.present, kept=run.kept, parameters=_plain(changed),
         standard=_plain({name: standard[name] for name in changed}),
         units={name: unit for name in changed if (unit := UNITS.get(name))},

@@ -52,7 +52,7 @@ class ListedRun:
     """From 1 on, as they began."""
     file: str
     """Name of the recording that it replays; empty if the robot drove."""
-    field: str
+    place: str
     """Name of the field."""
     parameters: Parameters
     """All of the filter's, by name, and the models of features."""

@@ -29,7 +29,7 @@ export class HandSection {
   #words = make("p", { role: "status" });
   #ahead = make("p", { class: "quiet" });
   #switch = button(t("by hand"), t("Let the filter wait for your steps, or work by itself again"));
-  #choose = button(t("use the particle filter"), t("Only the particle filter has these steps"));
+  #choose = button(t("use the particle filter"), t("Only the particle filter has these steps; it then waits for them"));
   #undo = button(t("back"), t("Take the last step back; the same step then draws the same numbers"));
   #steps = STEPS.map(([step, text, title]) => {
     const made = button(text, title);
@@ -48,13 +48,18 @@ export class HandSection {
   /** Number of the step that was asked for last. */
   #number = -1;
   #enabled = false;
+  /** Whether the steps shall begin with the particle filter. */
+  #wanted = false;
 
   /** @param {(command: Command) => Promise<boolean>} order @param {() => void} changed when there is something new to draw */
   constructor(order, changed) {
     this.order = order;
     this.changed = changed;
     this.#switch.onclick = () => order({ type: "filter_by_hand", on: !this.#enabled });
-    this.#choose.onclick = () => order({ type: "set_parameters", values: { filter: "particles" } });
+    this.#choose.onclick = async () => {
+      // Whoever chooses it here wants its steps, as soon as it is there.
+      this.#wanted = await order({ type: "set_parameters", values: { filter: "particles" } });
+    };
     this.#undo.onclick = () => order({ type: "filter_undo" });
   }
 
@@ -62,6 +67,10 @@ export class HandSection {
   follow({ filter: { kind, hand } }) {
     const possible = kind === "particles";
     this.#enabled = Boolean(hand);
+    if (this.#wanted && possible) {
+      this.#wanted = false;
+      this.order({ type: "filter_by_hand", on: true });
+    }
     this.#switch.hidden = !possible;
     this.#choose.hidden = possible;
     this.#switch.setAttribute("aria-pressed", String(this.#enabled));
