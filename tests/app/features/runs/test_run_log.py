@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import math
+from dataclasses import replace
 
 import httpx
 import pytest
@@ -13,6 +14,7 @@ from engine_runs import kinematic, run
 from fastapi import FastAPI
 
 from app.engine.program import Program
+from app.engine.snapshot import ReplayState
 from app.features.runs import run_log
 from app.features.runs.routes import runs_message, runs_router
 from app.features.runs.run_log import RunLog
@@ -127,3 +129,20 @@ def test_the_routes_list_keep_and_forget(driven) -> None:
         assert client.delete("/api/runs/3").status_code == 204
         assert [each["number"] for each in client.get("/api/runs").json()["runs"]] == [2, 1]
         assert client.get("/api/runs?last=-1").status_code == 422
+
+
+def test_in_a_replay_the_recorded_estimate_is_a_run_and_going_back_begins_another() -> None:
+    program = kinematic()
+    log = RunLog("stub")
+    ticks = run(program, 5.0, EIGHT)
+    for _ in range(2):
+        for snapshot in ticks:
+            then = replace(snapshot.truth, x=snapshot.truth.x + 0.004)
+            state = ReplayState("lap.mcap", snapshot.stamp, 5.0, 1.0, False, None, then)
+            log.add(replace(snapshot, replay=state))
+    again, recorded, first = runs_message(log, None, 2).runs
+    assert (again.file, recorded.recorded, first.recorded) == ("lap.mcap", True, False)
+    assert recorded.rmse == pytest.approx(0.004)
+    assert recorded.misleading is None
+    assert again.rmse == first.rmse
+    assert again.difference.paired, "both have seen the same pictures"
