@@ -35,7 +35,7 @@ import { History } from "./plots/history.js";
 import { PlotsPanel } from "./plots/panel.js";
 import { View3d } from "./view3d/panel.js";
 import { Connection } from "./wire/connection.js";
-import { RunsTable } from "./features/runs/table.js";
+import { RunsTable } from "./features/run_table/table.js";
 import { ReplayBar } from "./features/recordings/replay/bar.js";
 import { RecordingsPanel } from "./features/recordings/panel.js";
 import { ReplayKeys } from "./features/recordings/replay/keys.js";

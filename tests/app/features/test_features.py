@@ -63,7 +63,7 @@ NAMES = [
     "picture_odometry",
     "recordings",
     "ros",
-    "runs",
+    "run_table",
     "weighing",
 ]
 CORE = 285, 33_000

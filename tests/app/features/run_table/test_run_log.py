@@ -15,9 +15,9 @@ from fastapi import FastAPI
 
 from app.engine.program import Program
 from app.engine.snapshot import ReplayState
-from app.features.runs import run_log
-from app.features.runs.routes import runs_message, runs_router
-from app.features.runs.run_log import RunLog
+from app.features.run_table import run_log
+from app.features.run_table.routes import runs_message, runs_router
+from app.features.run_table.run_log import RunLog
 from app.messages.commands import ScatterCommand, SetParametersCommand, SetPoseCommand
 from app.messages.driving_commands import FigureEightCommand
 

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.features.runs.figures import FEWEST_BLOCKS, RunSamples, difference_of, figures_of
+from app.features.run_table.figures import FEWEST_BLOCKS, RunSamples, difference_of, figures_of
 
 RATE = 30.0
 

@@ -3,8 +3,8 @@
 from app.feature import Feature, Late
 
 FEATURE = Feature(
-    name="runs",
+    name="run_table",
     about="lists runs with their errors and parameters, and compares them",
-    messages=(Late("app.features.runs.messages:MESSAGES"),),
-    outlet=Late("app.features.runs.outlet:RunsOutlet"),
+    messages=(Late("app.features.run_table.messages:MESSAGES"),),
+    outlet=Late("app.features.run_table.outlet:RunsOutlet"),
 )

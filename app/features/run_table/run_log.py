@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, fields
 import numpy as np
 
 from app.engine.snapshot import Snapshot
-from app.features.runs.figures import FAR_M, FAR_RAD, RunSamples
+from app.features.run_table.figures import FAR_M, FAR_RAD, RunSamples
 from app.messages.commands import (
     PlaceCommand,
     ResetCommand,

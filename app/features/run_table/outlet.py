@@ -8,8 +8,8 @@ from typing import Any
 from fastapi import APIRouter
 
 from app.engine.snapshot import Snapshot
-from app.features.runs.routes import runs_router
-from app.features.runs.run_log import RunLog
+from app.features.run_table.routes import runs_router
+from app.features.run_table.run_log import RunLog
 from app.page.outlets import Outlet, Outlets
 
 
@@ -19,7 +19,7 @@ class RunsOutlet(Outlet):
     def __init__(self, outlets: Outlets) -> None:
         """Go on with the runs of the program before."""
         program = outlets.program
-        earlier = program.handed_on.get("runs")
+        earlier = program.handed_on.get("run_table")
         self._log = RunLog(program.field.name, earlier if isinstance(earlier, RunLog) else None)
 
     @property

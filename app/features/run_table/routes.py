@@ -10,9 +10,9 @@ from typing import Annotated
 
 from fastapi import APIRouter, HTTPException, Query, Response
 
-from app.features.runs.figures import RunSamples, difference_of, figures_of
-from app.features.runs.messages import RunDifferenceMessage, RunMessage, RunsMessage
-from app.features.runs.run_log import UNITS, ListedRun, Parameters, RunLog, differences
+from app.features.run_table.figures import RunSamples, difference_of, figures_of
+from app.features.run_table.messages import RunDifferenceMessage, RunMessage, RunsMessage
+from app.features.run_table.run_log import UNITS, ListedRun, Parameters, RunLog, differences
 from app.messages.answers import content, refusal
 
 Seconds = Annotated[float, Query(gt=0, le=1e6)]
