@@ -39,10 +39,9 @@ def test_a_scene_is_kept_shown_again_and_shared(browser, server) -> None:
         assert link is not None
         page.locator("[data-layout=drive]").click()
         page.keyboard.press("Escape")
-        with server.live() as live:
-            # The server ends for another field, and may take the answer with it.
-            with suppress(ConnectionClosed):
-                ask(live, type="use_field", name="square")
+        # The server ends for another field, and may take the answer with it.
+        with server.live() as live, suppress(ConnectionClosed):
+            ask(live, type="use_field", name="square")
         page.wait_for_function("window.brickpose.telemetry.map === 'square'")
         scene.get_by_role("button", name="kidnapped", exact=True).click()
         page.wait_for_function("window.brickpose.telemetry.map === 'stub'")
