@@ -1,8 +1,10 @@
 // @ts-check
 import { CalibrationPanel } from "./features/calibration/panel.js";
 import { CameraPanel } from "./camera/panel.js";
+import { endedWords } from "./drive/ended.js";
 import { Home } from "./drive/home.js";
 import { DrivePanel } from "./drive/panel.js";
+import { offerStageBar } from "./drive/stage_bar.js";
 import { FieldPanel } from "./field/panel.js";
 import { RunAgain } from "./filter/again.js";
 import { FilterPanel } from "./filter/panel.js";
@@ -10,13 +12,17 @@ import { offerHelp } from "./help/help.js";
 import { Layout } from "./layout/layout.js";
 import { Journey } from "./features/navigation/journey.js";
 import { LayoutMenu } from "./layout/menu.js";
+import { Scenes } from "./layout/scenes.js";
 import { MapPanel } from "./map/panel.js";
 import { MappingPanel } from "./features/mapping/panel.js";
+import { dismissByKey, dismissByPress } from "./page/boxes.js";
 import { DrawLoop } from "./page/draw_loop.js";
-import { find, findButton } from "./page/elements.js";
+import { find, findButton, findInput } from "./page/elements.js";
 import { FirstStart } from "./page/first_start.js";
 import { offerLanguages, t } from "./page/language.js";
 import { refreshPalette } from "./page/palette.js";
+import { More } from "./page/more.js";
+import { keepName, liveAddress, personName } from "./page/person.js";
 import { PhoneTabs } from "./page/phone.js";
 import { addDelay, exposeProbe } from "./page/probe.js";
 import { Problems } from "./page/problems.js";
@@ -29,6 +35,7 @@ import { History } from "./plots/history.js";
 import { PlotsPanel } from "./plots/panel.js";
 import { View3d } from "./view3d/panel.js";
 import { Connection } from "./wire/connection.js";
+import { RunsTable } from "./features/run_table/table.js";
 import { ReplayBar } from "./features/recordings/replay/bar.js";
 import { RecordingsPanel } from "./features/recordings/panel.js";
 import { ReplayKeys } from "./features/recordings/replay/keys.js";
@@ -50,8 +57,10 @@ const PICTURES = 15;
 refreshPalette();
 const appearance = new Appearance(findButton("theme"), findButton("large-text"));
 offerLanguages(find("language", HTMLSelectElement));
+new More();
+offerStageBar();
 const loop = new DrawLoop();
-const connection = new Connection("/api/live?rate=30");
+const connection = new Connection(liveAddress("dashboard"));
 const toasts = new Toasts(find("toasts", HTMLElement));
 const problems = new Problems();
 const firstStart = new FirstStart((compiling) => {
@@ -64,6 +73,7 @@ const topBar = new TopBar();
 const tape = new TapeHealth();
 const history = new History();
 const drive = new DrivePanel(connection, order);
+drive.drive.onEnded((ended) => toasts.offer(endedWords(ended), t("go on"), ended.again));
 const home = new Home(order, toasts);
 const fieldPanel = new FieldPanel(order, toasts);
 const calibration = new CalibrationPanel(drive.drive, order, connection);
@@ -72,6 +82,7 @@ const journey = new Journey(drive.drive, order);
 const map = new MapPanel(loop, order, () => home.go(), journey);
 const mapping = new MappingPanel(drive.drive, order, connection, (drawing, chosen) => map.setDrawing(drawing, chosen));
 const plots = new PlotsPanel(loop, history, (stamp) => replay.seek(stamp));
+new RunsTable(toasts, () => plots.seconds);
 const filter = new FilterPanel(connection, order, () => map.telling.scatter());
 findButton("by-hand").onclick = async () => {
   tabs.show("map");
@@ -84,6 +95,8 @@ const replayKeys = new ReplayKeys(replay);
 const view3d = new View3d(appearance, order, (target) => {
   drive.keys.listen(target);
   replayKeys.listen(target);
+  target.addEventListener("keydown", dismissByKey, true);
+  target.addEventListener("pointerdown", dismissByPress, true);
   target.addEventListener("keydown", (event) => layout.escape(event));
 });
 /** @type {import("./page/added_panels.js").AddedPanels | null} */
@@ -95,6 +108,13 @@ if (document.querySelector("main > [data-script]")) {
 }
 const layout = new Layout((text) => toasts.show(text));
 new LayoutMenu(layout, toasts);
+const scenes = new Scenes(order, layout, toasts);
+const nameField = findInput("person-name");
+nameField.value = personName();
+nameField.onchange = () => {
+  keepName(nameField.value.trim());
+  connection.again();
+};
 const tabs = new PhoneTabs();
 const probe = exposeProbe((x, y) => map.toPage(x, y));
 
@@ -131,7 +151,9 @@ function take(news) {
   probe.telemetry = news;
   if (news.map !== fieldName || news.robot.calibrated !== calibrated) loadField(news);
   drive.follow(news);
+  if (drive.drive.drives) toasts.withdraw();
   home.follow(news);
+  scenes.follow(news);
   fieldPanel.follow(news);
   calibration.follow(news);
   mapping.follow(news);

@@ -85,6 +85,11 @@ export interface BoardMessage {
 export interface CalibrateCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "calibrate";
   /** Whether to begin; without it the command only renews a drive that has begun. */
   start?: boolean;
@@ -126,6 +131,11 @@ export interface CalibrationMessage {
 export interface CancelCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "cancel";
   /** Only a journey that began before this time on the robot's clock [s]; null is any. */
   before?: number | null;
@@ -141,6 +151,11 @@ export interface ChangeMessage {
 export interface CloseRecordingCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "close_recording";
 }
 
@@ -201,6 +216,11 @@ export interface CurveMessage {
 export interface DeleteStrokeCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "delete_stroke";
   /** Its number, from 0 on, in ``/api/mapping``. */
   stroke: number;
@@ -212,6 +232,11 @@ export interface DeleteStrokeCommand {
 export interface DiscardMapCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "discard_map";
 }
 
@@ -222,6 +247,11 @@ export interface DiscardMapCommand {
 export interface DriveCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "drive";
   v: number;
   omega: number;
@@ -231,8 +261,10 @@ export interface DriveCommand {
 export interface DriverMessage {
   /** Name of the client; null while nobody drives. */
   name: string | null;
-  /** Whether it is this connection. */
+  /** Whether it is this connection, or another page of the same browser. */
   mine: boolean;
+  /** Whether it is this connection itself. */
+  this_page: boolean;
   /** Whether a stop holds: drive commands that only continue those before it are refused. */
   stopped: boolean;
 }
@@ -270,6 +302,11 @@ export interface EstimateMessage {
 export interface ExploreCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "explore";
   /** Whether to begin; without it the command only renews a drive that has begun. */
   start?: boolean;
@@ -323,6 +360,11 @@ export interface FieldMessage {
 export interface FigureEightCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "figure_eight";
   /** Whether to begin again; that is refused if the robot is known to leave the field. */
   start?: boolean;
@@ -338,6 +380,11 @@ export interface FigureEightCommand {
 export interface FilterByHandCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "filter_by_hand";
   on: boolean;
 }
@@ -368,6 +415,11 @@ export interface FilterMessage {
 export interface FilterStepCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "filter_step";
   step: "predict" | "weigh" | "resample";
 }
@@ -376,6 +428,11 @@ export interface FilterStepCommand {
 export interface FilterUndoCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "filter_undo";
 }
 
@@ -383,6 +440,11 @@ export interface FilterUndoCommand {
 export interface FinishCalibrationCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "finish_calibration";
 }
 
@@ -390,6 +452,11 @@ export interface FinishCalibrationCommand {
 export interface FinishMapCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "finish_map";
 }
 
@@ -519,6 +586,11 @@ export interface IntegrityMessage {
 export interface JoinStrokesCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "join_strokes";
   stroke: number;
   /** Their numbers, from 0 on, in ``/api/mapping``. */
@@ -731,6 +803,11 @@ export interface MappingMessage {
 export interface MoveEndCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "move_end";
   /** Its number, from 0 on, in ``/api/mapping``. */
   stroke: number;
@@ -750,6 +827,11 @@ export interface MoveEndCommand {
 export interface NavigateCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "navigate";
   /** Where to; null, without a curve, only renews the journey that there is. */
   poses?: GoalMessage[] | null;
@@ -797,6 +879,11 @@ export interface NavigationPathMessage {
 export interface OpenRecordingCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "open_recording";
   /** Its name in ``/api/recordings``. */
   name: string;
@@ -847,6 +934,11 @@ export interface ParticlesMessage {
 export interface PauseCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "pause";
 }
 
@@ -857,6 +949,11 @@ export interface PauseCommand {
 export interface PauseMapCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "pause_map";
   /** Null toggles. */
   paused?: boolean | null;
@@ -878,6 +975,11 @@ export interface PictureMessage {
 export interface PingCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "ping";
 }
 
@@ -885,6 +987,11 @@ export interface PingCommand {
 export interface PlaceCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "place";
   x: number;
   y: number;
@@ -983,6 +1090,11 @@ export interface ProfileMessage {
 export interface RecordCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "record";
   on: boolean;
 }
@@ -1016,6 +1128,11 @@ export interface RecordingMessage {
 export interface ReplayCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "replay";
   paused?: boolean | null;
   /** Seconds of the recording per second. */
@@ -1047,6 +1164,11 @@ export interface ReplayMessage {
 export interface ResetCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "reset";
 }
 
@@ -1054,6 +1176,11 @@ export interface ResetCommand {
 export interface ResumeCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "resume";
 }
 
@@ -1084,6 +1211,11 @@ export interface RobotMessage {
 export interface RouteCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "route";
   x: number;
   y: number;
@@ -1097,7 +1229,69 @@ export interface RouteCommand {
 export interface RunAgainCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "run_again";
+}
+
+/** How the error of a run differs from that of the run it is compared with. */
+export interface RunDifferenceMessage {
+  /** Root mean square error of the run less the other one's [m]. */
+  rmse: number;
+  low: number | null;
+  /** Interval that holds the difference in 95 % [m]; null if a run is shorter than ten seconds. */
+  high: number | null;
+  /** Whether both saw the same pictures. */
+  paired: boolean;
+}
+
+/** One run, over all of it or over its end. */
+export interface RunMessage {
+  number: number;
+  /** Name of the recording that it replays; empty if the robot drove. */
+  file: string;
+  field: string;
+  /** Whether its estimates are those that the recording has. */
+  recorded: boolean;
+  /** Whether it goes on. */
+  present: boolean;
+  kept: boolean;
+  /** The filter's parameters that are not as they were at the start, by name. */
+  parameters: Record<string, number | string | boolean>;
+  /** The same ones as they were at the start. */
+  standard: Record<string, number | string | boolean>;
+  /** Their units, where they have any. */
+  units: Record<string, string>;
+  pictures: number;
+  /** How long the pictures that count go on [s]. */
+  seconds: number;
+  /** Root mean square of the distances from the truth [m]; null without an estimate. */
+  rmse: number | null;
+  /** [m] */
+  median: number | null;
+  /** [m] */
+  worst: number | null;
+  /** Share of the pictures at which the estimate is not within 50 mm and 10 degrees. */
+  lost: number;
+  /**
+   * Share of the pictures at which it says certain and the truth lies outside its bounds; null
+   * where that is not recorded.
+   */
+  misleading: number | null;
+  /** From the beginning until it is right for a second [s]; null if it never is. */
+  time_to_right: number | null;
+  /** From the run that all are compared with; null for that run itself. */
+  difference: RunDifferenceMessage | null;
+}
+
+/** The runs that are listed, the newest first. */
+export interface RunsMessage {
+  /** Number of the run that all are compared with. */
+  against: number | null;
+  runs: RunMessage[];
 }
 
 /**
@@ -1107,6 +1301,11 @@ export interface RunAgainCommand {
 export interface SaveMapCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "save_map";
   name: string;
   /**
@@ -1135,6 +1334,11 @@ export interface ScanMessage {
 export interface ScatterCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "scatter";
 }
 
@@ -1145,6 +1349,11 @@ export interface ScatterCommand {
 export interface SetCalibrationCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "set_calibration";
   /** Differences by name, in the units of the profile's file [rad, m, s, relative]. */
   values: Record<string, number>;
@@ -1160,6 +1369,11 @@ export interface SetCalibrationCommand {
 export interface SetFaultsCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "set_faults";
   /** Values by name; ``/api/faults`` lists the names. */
   values: Record<string, number | string>;
@@ -1169,6 +1383,11 @@ export interface SetFaultsCommand {
 export interface SetParametersCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "set_parameters";
   values: Record<string, number | string | boolean>;
 }
@@ -1177,6 +1396,11 @@ export interface SetParametersCommand {
 export interface SetParticlesCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "set_particles";
   /** x, y, theta of each pose. */
   poses: [number, number, number][];
@@ -1188,6 +1412,11 @@ export interface SetParticlesCommand {
 export interface SetPoseCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "set_pose";
   x: number;
   y: number;
@@ -1208,6 +1437,11 @@ export interface SetPoseCommand {
 export interface SetWallsCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "set_walls";
   /** Whether the robot may cross tape; null leaves that as it is. */
   tape?: "wall" | "ignored" | null;
@@ -1219,6 +1453,11 @@ export interface SetWallsCommand {
 export interface ShowCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "show";
   layer: "particles" | "headings" | "rays" | "covariance" | "paths" | "truth" | "camera";
   visible: boolean;
@@ -1228,6 +1467,11 @@ export interface ShowCommand {
 export interface StartMapCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "start_map";
   /** Whether to forget an unsaved map; otherwise the command is refused if there is one. */
   discard?: boolean;
@@ -1242,6 +1486,11 @@ export type State = "certain" | "approximate" | "ambiguous" | "searching" | "los
 export interface StopCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "stop";
 }
 
@@ -1257,6 +1506,11 @@ export interface StrokeMessage {
 export interface TakeCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "take";
 }
 
@@ -1313,6 +1567,11 @@ export interface TwistMessage {
 export interface UndoCalibrationCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "undo_calibration";
 }
 
@@ -1320,6 +1579,11 @@ export interface UndoCalibrationCommand {
 export interface UndoCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "undo";
 }
 
@@ -1327,6 +1591,11 @@ export interface UndoCommand {
 export interface UndoEditCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "undo_edit";
   /** Of that drawing. */
   version: number;
@@ -1350,6 +1619,11 @@ export interface UnknownMessage {
 export interface UpdateCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "update";
 }
 
@@ -1360,6 +1634,11 @@ export interface UpdateCommand {
 export interface UseFieldCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
   type: "use_field";
   /** One of ``/api/fields``, or generated- and a number. */
   name: string;

@@ -13,7 +13,7 @@ from app.engine.driver import Driver
 from app.engine.mailboxes.backlog import Backlog
 from app.engine.program import Program
 from app.messages.commands import Command
-from app.messages.driving_commands import StopCommand, TakeCommand
+from app.messages.driving_commands import DriveCommand, StopCommand, TakeCommand
 from robot.errors import CommandError
 
 SILENCE = 1.0
@@ -28,6 +28,9 @@ class _Gesture:
 
     begun: float
     last: float
+    by_hand: bool = True
+    """Whether it holds the robot by hand, or had its journey kept up here: not a programme that it
+    renews itself, and goes on with when it is back."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +49,8 @@ class Drivers:
     If nobody drives, the first client that sends a drive command gets the drive. It keeps it until
     a second after its last drive command. A stop by any client holds for all clients. It ends when
     it is a second old and a client drives that began after it; a client that only continues what it
-    did before the stop is refused. ``TakeCommand`` ends a stop at once, and gives its client the
+    did before the stop is refused. Of the clients of one person, the pages of one browser, the one
+    drives that began last. ``TakeCommand`` ends a stop at once, and gives its client the
     drive: a page sends it when somebody presses a key again.
     """
 
@@ -117,6 +121,7 @@ class Drivers:
                 self._driver, self._stopped = None, self._clock()
             elif row_of(command).drives:
                 self._drive(driver)
+                self._gestures[driver].by_hand = isinstance(command, DriveCommand)
             self._commands.put(command)
 
     def renew(self, driver: Driver, command: Command) -> bool:
@@ -124,7 +129,8 @@ class Drivers:
         with self._lock:
             drives = self._current() is driver
             if drives:
-                self._gestures[driver].last = self._clock()
+                gesture = self._gestures[driver]
+                gesture.last, gesture.by_hand = self._clock(), True
                 self._commands.put(command)
             return drives
 
@@ -144,12 +150,16 @@ class Drivers:
                 self._commands.put(StopCommand(type="stop"))
 
     def leave(self, driver: Driver) -> None:
-        """Forget a client that leaves; stop the robot if that client drove it."""
+        """Forget a client that leaves; stop the robot if that client drove it by hand.
+
+        A programme that the client renewed itself stands as soon as nobody renews it, and waits
+        for it: a page whose network breaks leaves, too, and comes back.
+        """
         with self._lock:
             gesture = self._gestures.pop(driver, None)
             if gesture is not None and self._driver is driver:
                 self._driver = None
-                if self._clock() - gesture.last < self._timeout:
+                if gesture.by_hand and self._clock() - gesture.last < self._timeout:
                     self._commands.put(StopCommand(type="stop"))
 
     def _take(self, driver: Driver) -> None:
@@ -169,6 +179,9 @@ class Drivers:
             self._gestures[driver] = gesture = _Gesture(stamp, stamp)
         gesture.last = stamp
         self._require_free(driver)
+        current = self._current()
+        if current not in (None, driver) and gesture.begun <= self._gestures[current].begun:
+            raise CommandError("another page of yours drives; press again to drive from this one")
         if self._stopped is not None:
             if gesture.begun < self._stopped or stamp - self._stopped < SILENCE:
                 raise CommandError("a stop holds; take over, or release the controls for a second")
@@ -177,7 +190,7 @@ class Drivers:
 
     def _require_free(self, driver: Driver) -> None:
         current = self._current()
-        if current is not None and current is not driver:
+        if current is not None and current.person != driver.person:
             raise CommandError(f"{current.name} drives; take over to drive yourself")
 
     def _current(self) -> Driver | None:

@@ -13,10 +13,12 @@ from robot.driving.figure_eight import FigureEight
 from robot.driving.odometry import OdometryState
 from robot.geometry import Pose2, Twist2
 
-GAP_S = 3.0
-"""A programme that is renewed within this time continues where it was; the robot stands until then.
-Otherwise a moment without network would lose a minute of driving, and a figure-eight would begin
-again wherever a busy computer left the robot."""
+GAP_S = 5.0
+"""A programme that is renewed within this time [s] continues where it was; the robot stands until
+then, and so does one that explores. Otherwise a moment without network would lose a minute of
+driving, and a figure-eight would begin again wherever a busy computer left the robot. A page that
+loses the network for 2 s is back after 2 to 3.3 s, as it tries again once a second: half of this
+time would end what it drives, twice of it would only stand for longer when it never comes back."""
 
 Mode = str
 """``idle``, ``drive``, ``figure_eight``, ``explore``, or the name of a feature's programme."""
@@ -154,9 +156,12 @@ class Driving:
         return lapsed(stamp, self._renewed + self._timeout)
 
     def _follow_route(self, odometry: OdometryState) -> None:
-        """Follow the route; stand at its end, and stop if the command is not renewed."""
+        """Follow the route; stand at its end, and while the command is not renewed."""
         if self._lapsed(odometry.stamp):
-            self.stop()
+            if odometry.stamp - self._renewed < GAP_S:
+                self._controller.stop()
+            else:
+                self.stop()
             return
         route = self.route
         twist = None if route is None else route.twist(odometry.odom_from_robot)

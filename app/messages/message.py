@@ -69,6 +69,9 @@ class CommandMessage(Message):
 
     id: Annotated[int | str | None, AfterValidator(_short)] = None
     """Repeated in the answer."""
+    sent: float | None = None
+    """The robot's clock when it was sent [s], as answers tell it. A drive command that has come
+    half a second late or more is refused, if it says so: somebody may have stopped the robot."""
 
     @property
     def kind(self) -> str:

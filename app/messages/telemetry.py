@@ -246,7 +246,9 @@ class DriverMessage(Message):
     name: str | None
     """Name of the client; null while nobody drives."""
     mine: bool
-    """Whether it is this connection."""
+    """Whether it is this connection, or another page of the same browser."""
+    this_page: bool
+    """Whether it is this connection itself."""
     stopped: bool
     """Whether a stop holds: drive commands that only continue those before it are refused."""
 

@@ -23,6 +23,7 @@ from app.page.documents.routes import documents_router
 from app.page.language import language_router, page
 from app.page.listening import most_places
 from app.page.panels import PANELS, sections_of
+from app.page.people import know
 from app.page.room import places_to_watch
 from app.page.token_guard import TokenRequired, role_in
 from app.page.tokens import Tokens
@@ -67,7 +68,9 @@ def _add_page(app: FastAPI, documents: Sequence[Path]) -> None:
 
     @app.get("/", include_in_schema=False)
     def index(request: Request) -> HTMLResponse:
-        return page(FRONTEND / "index.html", request, content={"panels": sections_of(panels)})
+        answer = page(FRONTEND / "index.html", request, content={"panels": sections_of(panels)})
+        know(request, answer)
+        return answer
 
     @app.get("/api/access")
     def access(request: Request) -> AccessMessage:

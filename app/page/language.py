@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path
@@ -17,7 +18,7 @@ from app.messages.answers import LanguageMessage, refusal
 
 COOKIE = "brickpose-language"
 NOTHING: Mapping[str, str] = MappingProxyType({})
-HEADERS = {"Cache-Control": "no-cache", "Vary": "Accept-Language, Cookie"}
+HEADERS = {"Cache-Control": "no-cache", "Vary": "Accept-Language, Cookie, Accept-Encoding"}
 
 
 def language_router() -> APIRouter:
@@ -53,7 +54,10 @@ def page(
     text = _page(path, path.stat().st_mtime_ns, own.language)
     for name, html in content.items():
         text = text.replace(f"<!-- {name} -->", html, 1)
-    return HTMLResponse(text, status, {**HEADERS, "Content-Language": own.language, **headers})
+    said = {**HEADERS, "Content-Language": own.language, **headers}
+    if "gzip" not in request.headers.get("accept-encoding", ""):
+        return HTMLResponse(text, status, said)
+    return HTMLResponse(_compressed(text), status, {**said, "Content-Encoding": "gzip"})
 
 
 def language_of(request: HTTPConnection) -> Catalogue:
@@ -80,6 +84,12 @@ def _weighed(part: str) -> tuple[float, str]:
     except ValueError:
         weight = 0.0
     return weight, code.strip().lower().split("-")[0]
+
+
+@lru_cache
+def _compressed(text: str) -> bytes:
+    """Return a page gzipped, a quarter as large; nothing in it is secret."""
+    return gzip.compress(text.encode(), mtime=0)
 
 
 @lru_cache

@@ -29,6 +29,7 @@ from app.messages.commands import (
     SetParametersCommand,
 )
 from app.page.outlets import Outlets
+from app.page.people import driver_of
 from app.page.telemetry import TelemetryWriter
 from app.page.token_guard import may_run_code, role_in
 from app.page.tokens import Role
@@ -36,8 +37,14 @@ from robot.errors import BrickPoseError, CommandError
 
 LOG = logging.getLogger("brickpose")
 
-NOT_MINE, MINE = '"mine":false', '"mine":true'
+NOT_MINE = '"mine":false,"this_page":false'
+MINE, HERE = '"mine":true,"this_page":false', '"mine":true,"this_page":true'
 """The only places where telemetry differs between viewers."""
+LATEST_S = 0.5
+"""A drive command that was sent longer ago [s] says nothing of what its sender wants now. With half
+of it a page at the end of a slow network could not drive; with twice of it, what had waited for a
+network that was gone for a second could end a stop."""
+LATE = phrase("the command came too late to drive by it")
 WATCHES = phrase("This link only watches; ask for the link to drive.")
 """Answer to commands of a viewer who only watches."""
 NO_CODE = phrase(
@@ -63,9 +70,10 @@ class Live:
             driver = self.outlets.drivers.state.driver
             text = self._writer.message(snapshot).model_dump_json()
             self._written = written = _Written(snapshot, driver, text)
-        if viewer is None or viewer is not written.driver:
+        driver = written.driver
+        if viewer is None or driver is None or viewer.person != driver.person:
             return written.text
-        return written.text.replace(NOT_MINE, MINE, 1)
+        return written.text.replace(NOT_MINE, HERE if viewer is driver else MINE, 1)
 
     async def serve(self, socket: WebSocket, rate: float = math.inf) -> None:
         """Serve one viewer until it leaves; then stop the robot if only this viewer drove it.
@@ -100,7 +108,7 @@ class _Viewer:
         self._socket = socket
         self._role = role_in(socket.scope)
         self._may_run_code = may_run_code(socket.scope)
-        self.driver = Driver.numbered(phrase("page {number}"), socket.client and socket.client.host)
+        self.driver = driver_of(socket)
         self._outgoing = WebsocketWriter(socket)
         self._slow_lane = SlowLane()
 
@@ -145,8 +153,16 @@ class _Viewer:
             raise CommandError(WATCHES)
         if isinstance(command, SetParametersCommand) and not self._may_run_code:
             check_no_code(command)
+        if row_of(command).drives and self._is_late(command.sent):
+            raise CommandError(LATE)
         self._live.outlets.drivers.check(self.driver, command, self._live.program)
-        return command
+        # It is the same command whenever it was sent, also in a recording.
+        return command if command.sent is None else command.model_copy(update={"sent": None})
+
+    def _is_late(self, sent: float | None) -> bool:
+        """Whether a command was sent [s] too long ago; not if it does not say when."""
+        robot_time = self._robot_time()
+        return sent is not None and robot_time is not None and robot_time - sent > LATEST_S
 
     def _answer(self, command: Command) -> str:
         try:

@@ -116,7 +116,7 @@ def tape_width(line_scan: LineScan) -> float | None:
 def driver_message(state: DriveState) -> DriverMessage:
     """Return who drives, for the clients that do not."""
     name = None if state.driver is None else state.driver.name
-    return DriverMessage(name=name, mine=False, stopped=state.stopped)
+    return DriverMessage(name=name, mine=False, this_page=False, stopped=state.stopped)
 
 
 def pose_message(pose: Pose2 | None) -> PoseMessage | None:

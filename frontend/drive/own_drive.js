@@ -36,6 +36,7 @@ export class OwnDrive {
     this.#started = performance.now();
     this.#seen = false;
     this.drive.setProgramme(this.programme);
+    this.drive.again = () => this.begin(start);
   }
 
   end() {
@@ -46,13 +47,15 @@ export class OwnDrive {
   heed(drives, stopped) {
     if (!this.mine) return;
     if (drives) this.#seen = true;
-    else if (this.#seen && stopped) this.end();
+    else if (this.#seen && stopped) this.drive.endBy("stopped");
   }
 
   /** Let go of the drive when it is over. @param {boolean} drives whether the robot drives so */
   follow(drives) {
     if (!this.mine) return;
     if (drives) this.#seen = true;
+    // Whether it is over, or stopped, the drive itself hears after a pause.
+    else if (this.drive.away) return;
     else if (this.#seen || performance.now() - this.#started > BEGINS_MS) this.end();
   }
 }

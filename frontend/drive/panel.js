@@ -32,10 +32,7 @@ export class DrivePanel {
    * @param {(command: Command) => Promise<boolean>} order
    */
   constructor(connection, order) {
-    this.drive = new Drive(
-      (command) => connection.post(command),
-      () => this.#show(),
-    );
+    this.drive = new Drive(connection, () => this.#show());
     const knob = find("knob", HTMLElement);
     this.joystick = new Joystick(find("joystick", HTMLElement), knob, this.drive);
     this.keys = new Keys(this.drive);
@@ -81,8 +78,10 @@ export class DrivePanel {
   }
 
   /** Show who drives, at once. @param {TelemetryMessage} telemetry */
-  follow({ mode, driver: { name, mine, stopped } }) {
-    this.drive.follow(mine ? null : name);
+  follow(telemetry) {
+    const { mode, driver } = telemetry;
+    const { stopped } = driver;
+    this.drive.follow(telemetry);
     this.#ownEight.heed(mode === "figure_eight", stopped);
     const { other, possible } = this.drive;
     const held = stopped ? t("stopped; a new press drives on") : "";
@@ -95,7 +94,11 @@ export class DrivePanel {
   /** @param {OwnDrive} eight @param {(command: Command) => Promise<boolean>} order */
   #toggleEight(eight, order) {
     if (eight.mine) eight.end();
-    else if (this.drive.mayBegin) eight.begin();
+    else if (this.drive.mayBegin) {
+      // What was asked for is seen at once; what is so, when the robot has told.
+      this.#eight.setAttribute("aria-pressed", "true");
+      eight.begin().then(() => this.#show());
+    }
     // The refusal says who drives, and what to do.
     else if (this.drive.possible) order({ ...this.drive.programmed("figure_eight"), start: true });
   }

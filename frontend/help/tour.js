@@ -118,8 +118,10 @@ class Tour {
   get #target() {
     const { at } = STEPS[this.#at];
     const target = document.querySelector(at);
-    // On a phone the button of the help is behind another one.
-    return target?.checkVisibility() ? target : at === "#help-open" ? document.querySelector("#more") : target;
+    if (target?.checkVisibility()) return target;
+    // On a phone the button of the help is behind another one; on a wide page a button shows the filter.
+    const instead = { "#help-open": "#more", "#filter": '[data-panels~="filter"]' }[at];
+    return instead ? document.querySelector(instead) : target;
   }
 
   /** On a phone one panel is shown at a time. @param {string} name */

@@ -28,7 +28,7 @@ export class Layout {
   /** @type {string | null} */
   #enlarged = null;
   /** @type {Tree} */
-  #tree = READY.drive;
+  #tree = READY.simple;
 
   /** @param {(text: string) => void} complain */
   constructor(complain) {
@@ -101,6 +101,27 @@ export class Layout {
     this.change(shown ? added(this.#tree, name) : (without(this.#tree, name) ?? this.#tree));
   }
 
+  /** Show some panels besides those of a ready layout, where they belong, or hide them. @param {string[]} names @param {boolean} shown */
+  showAll(names, shown) {
+    const wanted = panelsOf(this.#tree).filter((name) => shown || !names.includes(name));
+    if (shown) wanted.push(...names);
+    const has = (/** @type {Tree} */ tree) => panelsOf(tree).every((name) => wanted.includes(name));
+    const drive = panelsOf(READY.drive);
+    // What is there may be at any place: then only the newcomers get one.
+    const placed = this.ready === "simple" || written(this.#tree) === written(this.#only(panelsOf(this.#tree)));
+    this.#enlarged = null;
+    if (!placed || !wanted.every((name) => drive.includes(name))) {
+      for (const name of names) this.show(name, shown);
+    } else if (has(READY.simple) && wanted.length === panelsOf(READY.simple).length) this.choose("simple");
+    else this.change(this.#only(wanted));
+  }
+
+  /** The layout for driving, with some of its panels. @param {string[]} names @returns {Tree} */
+  #only(names) {
+    const others = panelsOf(READY.drive).filter((name) => !names.includes(name));
+    return others.reduce((/** @type {Tree} */ tree, name) => without(tree, name) ?? tree, READY.drive);
+  }
+
   /** Exchange two panels. @param {string} name @param {string} other */
   swap(name, other) {
     this.change(swapped(this.#tree, name, other));
@@ -127,7 +148,7 @@ export class Layout {
   }
 
   #usual() {
-    return this.#readied(innerWidth < NARROW ? "compact" : "drive");
+    return this.#readied(innerWidth < NARROW ? "compact" : "simple");
   }
 
   /** Without WebGL there is nothing to see in 3D. @param {ReadyName | "compact"} name @returns {Tree} */
@@ -149,6 +170,7 @@ export class Layout {
     }
     this.#borders.show(this.#enlarged === null ? this.#tree : this.#enlarged);
     this.#main.dataset.laid = "true";
+    document.body.toggleAttribute("data-without-drive", !boxes.has("drive"));
     for (const listener of this.#listeners) listener();
   }
 

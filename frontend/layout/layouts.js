@@ -3,7 +3,7 @@ import { t } from "../page/language.js";
 import { panelsOf } from "./tree.js";
 
 /** @typedef {import("./tree.js").Tree} Tree */
-/** @typedef {"drive" | "understand" | "present"} ReadyName */
+/** @typedef {"simple" | "drive" | "understand" | "present"} ReadyName */
 
 /** @type {(shares: number[], ...parts: Tree[]) => Tree} */
 const row = (shares, ...parts) => ({ split: "row", shares, parts });
@@ -12,6 +12,7 @@ const column = (shares, ...parts) => ({ split: "column", shares, parts });
 
 /** Ready layouts. @type {Record<ReadyName, Tree>} */
 export const READY = {
+  simple: row([62, 38], "map", column([66, 34], "camera", "drive")),
   drive: row(
     [56, 44],
     column([68, 32], "map", row([42, 58], "drive", "filter")),

@@ -13,6 +13,8 @@ export class LayoutMenu {
   #ready = [...document.querySelectorAll("button[data-layout]")].map(
     (button) => /** @type {HTMLButtonElement} */ (button),
   );
+  /** In the page's head: panels that belong together. */
+  #quick = [...document.querySelectorAll("button[data-panels]")].map((button) => /** @type {HTMLButtonElement} */ (button));
   #list = find("layout-panels", HTMLElement);
   #file = findInput("layout-file");
 
@@ -22,6 +24,9 @@ export class LayoutMenu {
     this.popover = new Popover("layout");
     for (const button of this.#ready) {
       button.onclick = () => layout.choose(/** @type {ReadyName} */ (button.dataset.layout));
+    }
+    for (const button of this.#quick) {
+      button.onclick = () => layout.showAll(panelsOfButton(button), button.getAttribute("aria-pressed") !== "true");
     }
     findButton("layout-link").onclick = () => this.#copy(toasts);
     findButton("layout-save").onclick = () => save(written(layout.tree));
@@ -35,6 +40,9 @@ export class LayoutMenu {
     const { ready, panels } = this.layout;
     for (const button of this.#ready) {
       button.setAttribute("aria-pressed", String(button.dataset.layout === ready));
+    }
+    for (const button of this.#quick) {
+      button.setAttribute("aria-pressed", String(panelsOfButton(button).every((name) => this.layout.shows(name))));
     }
     const focused = document.activeElement?.getAttribute("data-panel");
     this.#list.replaceChildren(...panels.map(([name, title]) => this.#switch(name, title)));
@@ -80,3 +88,6 @@ function save(text) {
   link.click();
   URL.revokeObjectURL(link.href);
 }
+
+/** @param {HTMLButtonElement} button */
+const panelsOfButton = (button) => (button.dataset.panels ?? "").split(" ");

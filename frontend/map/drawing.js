@@ -161,7 +161,8 @@ export function drawEllipse(context, x, y, radii, angle, colour, pixel) {
 
 /** Draw a bar of a round length, bottom right. @param {Context} context @param {MapView} view */
 export function drawScaleBar(context, view) {
-  const metres = roundUp(40 / view.scale);
+  // Longer than its words, however large these are.
+  const metres = roundUp((4 * palette.fontSize) / view.scale);
   const length = metres * view.scale;
   const [right, bottom] = [view.width - 12, view.height - 12];
   const bar = new Path2D();

@@ -177,7 +177,9 @@ export class MapPanel {
   #wire() {
     for (const button of this.#tools) {
       button.onclick = ({ detail }) => {
-        this.#choose(/** @type {Tool} */ (button.dataset.tool));
+        const tool = /** @type {Tool} */ (button.dataset.tool);
+        // Pressed once more, a tool is laid down.
+        this.#choose(tool === this.tool.tool ? "look" : tool);
         // Who chose it by keys goes on by keys.
         if (detail === 0 && this.measure.armed) this.surface.canvas.focus();
       };

@@ -3,7 +3,7 @@
 if (new URLSearchParams(location.search).has("token")) {
   history.replaceState(null, "", location.pathname + location.hash);
 }
-for (const what of ["theme", "text"]) {
+for (const what of ["theme", "text", "more"]) {
   try {
     const value = localStorage.getItem(`brickpose.${what}`);
     if (value) document.documentElement.dataset[what] = value;

@@ -40,6 +40,6 @@ export const palette = /** @type {Palette} */ ({});
 export function refreshPalette() {
   const style = getComputedStyle(document.documentElement);
   for (const name of NAMES) palette[name] = style.getPropertyValue(`--${name}`).trim();
-  palette.fontSize = 0.8 * parseFloat(style.fontSize);
+  palette.fontSize = parseFloat(style.getPropertyValue("--tiny")) * parseFloat(style.fontSize);
   palette.font = `${palette.fontSize}px system-ui, sans-serif`;
 }

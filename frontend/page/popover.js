@@ -1,12 +1,13 @@
 // @ts-check
+import { dismissable, raise } from "./boxes.js";
 import { find, findButton } from "./elements.js";
 
 /** @type {Popover[]} */
 const all = [];
 
 /**
- * A box that a button opens and closes; Escape closes it, too, and gives the focus back. What it would lie on
- * closes.
+ * A box that a button opens and closes; so do Escape, which gives the focus back, and a press beside. What it
+ * would lie on closes.
  */
 export class Popover {
   /**
@@ -20,9 +21,11 @@ export class Popover {
     this.onShown = onShown;
     for (const opener of this.openers) opener.onclick = () => this.show(!this.shown);
     findButton(`${name}-close`).onclick = () => this.#leave();
-    for (const part of [this.box, ...this.openers]) {
-      part.addEventListener("keydown", (event) => this.#key(event));
-    }
+    dismissable({
+      element: this.box,
+      openers: this.openers,
+      close: (focus) => (focus ? this.#leave() : this.show(false)),
+    });
     all.push(this);
   }
 
@@ -38,19 +41,13 @@ export class Popover {
     for (const other of all) {
       if (other !== this && other.shown && overlap(this.box, other.box)) other.show(false);
     }
+    raise(this.box);
     this.onShown();
   }
 
   #leave() {
     this.show(false);
     this.openers.find((opener) => opener.checkVisibility())?.focus();
-  }
-
-  /** @param {KeyboardEvent} event */
-  #key(event) {
-    if (event.key !== "Escape" || !this.shown) return;
-    event.preventDefault();
-    this.#leave();
   }
 }
 

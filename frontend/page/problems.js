@@ -108,11 +108,10 @@ export class Problems {
     try {
       /** @type {ProblemsMessage} */
       const { problems, trace } = await getJson("/api/problems");
-      items = problems
-        .reverse()
-        .map(({ stamp, message }) =>
-          make("li", {}, make("time", {}, minutes(stamp)), ` ${translated(message)}`),
-        );
+      items = together(problems.reverse()).map(({ stamp, message, times }) => {
+        const often = times > 1 ? [" ", make("span", { class: "count" }, t("{count} times", { count: times }))] : [];
+        return make("li", {}, make("time", {}, minutes(stamp)), ` ${translated(message)}`, ...often);
+      });
       fault = trace ?? "";
     } catch (error) {
       items = [make("li", {}, t("The log could not be read: {error}", { error: sentence(error) }))];
@@ -121,6 +120,22 @@ export class Problems {
     if (items.length === 0) items = [make("li", { class: "quiet" }, t("Nothing has gone wrong."))];
     this.#list.replaceChildren(...items);
   }
+}
+
+/**
+ * Problems that repeat are one, with the newest's words and how often: only their numbers differ.
+ * @param {{stamp: number, message: string}[]} problems the newest first
+ */
+function together(problems) {
+  /** @type {Map<string, {stamp: number, message: string, times: number}>} */
+  const kinds = new Map();
+  for (const problem of problems) {
+    const kind = problem.message.replace(/\d+([.,]\d+)*/g, "#");
+    const known = kinds.get(kind);
+    if (known) known.times += 1;
+    else kinds.set(kind, { ...problem, times: 1 });
+  }
+  return [...kinds.values()];
 }
 
 /** Where a model of one's own failed: the calls, on demand. @param {string} trace */

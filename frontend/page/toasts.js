@@ -7,6 +7,9 @@ const MOST = 3;
 
 /** Short messages about the last action, at the foot of the page; screen readers read them. */
 export class Toasts {
+  /** The last offer. @type {HTMLElement | undefined} */
+  #offered;
+
   /** @param {HTMLElement} list a live region */
   constructor(list) {
     this.list = list;
@@ -14,14 +17,36 @@ export class Toasts {
 
   /** @param {string} text in plain words @param {"problem" | "note"} [kind] */
   show(text, kind = "problem") {
+    const toast = this.#add(text, kind);
+    setTimeout(() => toast.remove(), SHOWN_MS);
+  }
+
+  /** Show a message that stays, with what can be done about it. @param {string} text @param {string} action its button's words @param {() => void} act */
+  offer(text, action, act) {
+    this.withdraw();
+    const button = make("button", { type: "button" }, action);
+    const toast = (this.#offered = this.#add(text, "note", button));
+    button.onclick = () => {
+      toast.remove();
+      act();
+    };
+  }
+
+  /** Take an offer back, as it is out of date. */
+  withdraw() {
+    this.#offered?.remove();
+  }
+
+  /** @param {string} text @param {"problem" | "note"} kind @param {HTMLElement[]} actions */
+  #add(text, kind, ...actions) {
     for (const old of [...this.list.children])
       if (old.firstChild?.textContent === text) old.remove();
     const close = make("button", { type: "button", "aria-label": t("Close this message") }, "×");
-    const toast = make("div", { class: `toast ${kind}` }, make("span", {}, text), close);
+    const toast = make("div", { class: `toast ${kind}` }, make("span", {}, text), ...actions, close);
     close.onclick = () => toast.remove();
-    setTimeout(() => toast.remove(), SHOWN_MS);
     this.list.append(toast);
     while (this.list.children.length > MOST) this.list.firstElementChild?.remove();
+    return toast;
   }
 
   /** Show why something failed. @param {unknown} error */

@@ -1,4 +1,5 @@
 // @ts-check
+import { dismissable, raise } from "../page/boxes.js";
 import { find, findButton, make } from "../page/elements.js";
 import { QUANTITIES } from "./quantities.js";
 
@@ -15,8 +16,7 @@ export class ValueChooser {
     this.#box.append(...units.map((unit) => this.#group(unit)));
     this.#box.onchange = () => changed(this.chosen);
     this.#button.onclick = () => this.#show(Boolean(this.#box.hidden));
-    for (const part of [this.#button, this.#box])
-      part.addEventListener("keydown", (event) => this.#key(event));
+    dismissable({ element: this.#box, openers: [this.#button], close: (focus) => this.#close(focus) });
   }
 
   get chosen() {
@@ -44,12 +44,12 @@ export class ValueChooser {
   #show(open) {
     this.#box.hidden = !open;
     this.#button.setAttribute("aria-expanded", String(open));
+    if (open) raise(this.#box);
   }
 
-  /** @param {KeyboardEvent} event */
-  #key(event) {
-    if (event.key !== "Escape" || this.#box.hidden) return;
+  /** @param {boolean} focus */
+  #close(focus) {
     this.#show(false);
-    this.#button.focus();
+    if (focus) this.#button.focus();
   }
 }

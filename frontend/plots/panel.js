@@ -63,6 +63,11 @@ export class PlotsPanel {
     this.#wire(canvas);
   }
 
+  /** How much of the run is shown [s]; 0 is all of it. */
+  get seconds() {
+    return Number.isFinite(this.#span.seconds) ? this.#span.seconds : 0;
+  }
+
   /** What is drawn now, for any size. @returns {import("./stack.js").Plot} */
   get plot() {
     const names = this.#shown.filter((name) => this.#replayed || name !== "thenError");
@@ -83,7 +88,8 @@ export class PlotsPanel {
   /** A replay also has the recorded estimate. @param {boolean} replayed */
   setReplay(replayed) {
     this.#replayed = replayed;
-    this.#show(this.#shown);
+    if (this.#shown === PRESETS.error || this.#shown === PRESETS.replay) this.#preset("error");
+    else this.#show(this.#shown);
   }
 
   /** Describe the plot in words for screen readers; called now and then. */
@@ -109,8 +115,9 @@ export class PlotsPanel {
 
   /** @param {string} name */
   #preset(name) {
-    this.chooser?.choose(PRESETS[name]);
-    this.#show(PRESETS[name]);
+    const names = PRESETS[this.#replayed && name === "error" ? "replay" : name];
+    this.chooser?.choose(names);
+    this.#show(names);
   }
 
   /** @param {string[]} names */
@@ -121,10 +128,21 @@ export class PlotsPanel {
       const { colour, dash } = lookOf(name, i);
       const swatch = make("span", { class: "swatch line", style: `color: ${colour}` });
       swatch.dataset.dashed = String(dash.length > 0);
-      return make("li", {}, swatch, `${QUANTITIES[name].name} `, make("b", {}));
+      const label = `${QUANTITIES[name].name} `;
+      const off = make("button", { type: "button", title: t("Plot it no more; values lists all") }, swatch, label, make("b", {}));
+      off.onclick = () => this.#leaveOut(name);
+      return make("li", {}, off);
     });
     this.#legend.replaceChildren(...lines);
     this.refresh();
+  }
+
+  /** The scale is that of what is left. @param {string} name */
+  #leaveOut(name) {
+    const left = this.#shown.filter((each) => each !== name);
+    if (left.length === 0) return;
+    this.chooser.choose(left);
+    this.#show(left);
   }
 
   #toggleLog() {

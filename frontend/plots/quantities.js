@@ -63,7 +63,7 @@ export const QUANTITIES = {
     of: (news) => apart(news.truth, news.odometry),
   },
   thenError: {
-    name: t("error of the estimate then"), unit: "mm", digits: 1, colour: "then", dash: [9, 3, 2, 3],
+    name: t("error as recorded"), unit: "mm", digits: 1, colour: "then", dash: [9, 3, 2, 3],
     of: (news) => apart(news.truth, news.replay?.estimate_then),
   },
   bound: {
@@ -125,7 +125,9 @@ export const QUANTITIES = {
 
 /** Choices that come with the page. @type {Record<string, string[]>} */
 export const PRESETS = {
-  error: ["estimateError", "odometryError", "thenError"],
+  error: ["estimateError", "odometryError"],
+  /** Odometry, which is farther off, would set the scale of two estimates that are compared. */
+  replay: ["estimateError", "thenError"],
   bound: ["estimateError", "bound", "spread"],
   heading: ["headingError", "headingBound", "headingSpread"],
   particles: ["effective", "count"],

@@ -1,13 +1,13 @@
 // @ts-check
 /**
- * Waiting times between attempts: they double, and vary at random so that viewers do not all come
- * at the same time.
+ * Waiting times between attempts: they double up to a second, so that what a page drives goes on
+ * after 2 s without a network, and vary at random so that viewers do not all come at the same time.
  */
 export class Backoff {
   #attempts = 0;
 
   /** @param {number} first [ms]  @param {number} longest [ms] */
-  constructor(first = 250, longest = 4000) {
+  constructor(first = 250, longest = 1000) {
     this.first = first;
     this.longest = longest;
   }

@@ -171,6 +171,11 @@ export class Connection {
     }
   }
 
+  /** Connect anew, as the server is to know this page by another name. */
+  again() {
+    this.#socket?.close();
+  }
+
   /** Connect at once, as the network or the robot is there, or somebody looks at the page. */
   hurry() {
     if (this.#socket || document.hidden) return;

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from browsing import PATIENCE_MS, visit
+from browsing import PATIENCE_MS, show_all, visit
 from playwright.sync_api import Browser, expect
 from serving import serving
 
@@ -19,7 +19,7 @@ def test_the_core_drives_and_is_certain_and_offers_nothing_else(browser: Browser
     complaints: list[str] = []
     missing: list[str] = []
     with serving("--robot", "kinematic", *WITHOUT) as server, browser.new_context() as context:
-        context.set_default_timeout(PATIENCE_MS)
+        show_all(context).set_default_timeout(PATIENCE_MS)
         page = context.new_page()
         page.on("pageerror", lambda error: complaints.append(str(error)))
         page.on(

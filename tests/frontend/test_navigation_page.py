@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from browsing import opened
+from browsing import opened, show_all
 from playwright.sync_api import expect
 from serving import ask, serving, until
 
@@ -122,7 +122,7 @@ def test_while_the_filter_is_paused_the_page_says_so(page, server):
 
 
 def test_a_page_that_is_closed_stops_the_robot(browser, server):
-    context = browser.new_context(viewport={"width": 1200, "height": 800})
+    context = show_all(browser.new_context(viewport={"width": 1200, "height": 800}))
     page = context.new_page()
     page.goto(server.url)
     page.wait_for_function("window.brickpose?.connected && window.brickpose?.telemetry?.estimate")

@@ -71,7 +71,7 @@ def test_one_button_runs_the_drive_again_beside_the_run_before(page, server):
     then = now["replay"]["estimate_then"]
     assert abs(then["x"] - now["truth"]["x"]) < 0.05
     assert then != {name: now["estimate"][name] for name in then}
-    expect(page.locator("#plots-legend")).to_contain_text("error of the estimate then")
+    expect(page.locator("#plots-legend")).to_contain_text("error as recorded")
     # In the replay the same button begins anew, with what was changed by then.
     again.click()
     page.wait_for_function("window.brickpose.telemetry.replay?.position_s < 3")

@@ -86,6 +86,30 @@ def test_a_figure_eight_that_somebody_stopped_does_not_go_on_by_itself(browser, 
         wait(server, lambda now: now["mode"] == "idle")
 
 
+def test_pages_of_one_browser_are_one_person_who_is_named(browser, server) -> None:
+    back_to_start(server)
+    with person(browser, server, "drive-me") as ann, person(browser, server, "drive-me") as bob:
+        ann.locator("#layout-open").click()
+        ann.locator("#person-name").fill("Ann")
+        ann.locator("#person-name").press("Enter")
+        ann.wait_for_function("window.brickpose.connected")
+        hers = ann.context.new_page()
+        hers.goto(server.url)
+        hers.wait_for_function("window.brickpose?.connected && window.brickpose?.telemetry")
+        ann.locator("#figure-eight").click()
+        wait(server, lambda now: now["mode"] == "figure_eight")
+        expect(bob.locator("#drive-who")).to_have_text("the computer of Ann drives")
+        expect(hers.locator("#robot-state")).to_have_text("figure-eight")
+        expect(hers.locator("#drive-who")).to_be_empty()
+        hers.keyboard.down("s")
+        wait(server, lambda now: now["twist"]["v"] < -0.05)
+        # She went on from her other page: this one lets go, and says nothing.
+        expect(ann.locator("#figure-eight")).to_have_attribute("aria-pressed", "false")
+        hers.keyboard.up("s")
+        wait(server, lambda now: now["mode"] == "idle")
+        assert ann.locator("#toasts .toast").count() == 0
+
+
 def test_the_drive_can_be_taken(browser, server) -> None:
     back_to_start(server)
     with person(browser, server, "drive-me") as ann, person(browser, server, "drive-me") as bob:

@@ -149,3 +149,5 @@ def test_by_hand_takes_the_particle_filter_in_place_of_another(page: Page, serve
     )
     box.get_by_role("button", name="by hand").click()
     expect(box.get_by_role("button", name="predict")).to_be_enabled()
+    box.get_by_role("button", name="by hand").click()
+    page.wait_for_function("window.brickpose.telemetry.filter.hand === null")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import Browser, BrowserContext, Page, expect
 from serving import ServedProgram, ask, until
 
 LOOKS = {
@@ -24,6 +24,25 @@ expect.set_options(timeout=PATIENCE_MS)
 SOFTWARE_GL = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 
 
+ALL_SHOWN = """() => {
+  const row = (shares, ...parts) => ({ split: "row", shares, parts });
+  const column = (shares, ...parts) => ({ split: "column", shares, parts });
+  const tree = row([56, 44], column([68, 32], "map", row([42, 58], "drive", "filter")),
+                   column([57, 43], "camera", row([50, 50], "view", "plots")));
+  if (innerWidth >= 1000) {
+    localStorage["brickpose.layout"] ??= JSON.stringify({ kind: "brickpose-layout-1", tree });
+  }
+  localStorage["brickpose.more"] ??= "bar map camera view";
+}"""
+"""Makes a browser one that has asked for more than a first visit shows."""
+
+
+def show_all(context: BrowserContext) -> BrowserContext:
+    """Let the pages of a browser show all panels and tools, as tests need that press them."""
+    context.add_init_script(f"try {{ ({ALL_SHOWN})() }} catch {{}}")
+    return context
+
+
 def visit(page: Page, address: str) -> None:
     """Open the dashboard, and wait until it is there: a press before that does nothing."""
     page.goto(address)
@@ -31,9 +50,19 @@ def visit(page: Page, address: str) -> None:
 
 
 def opened(
-    browser: Browser, server: ServedProgram, *, width: int, height: int, view: bool, **options
+    browser: Browser,
+    server: ServedProgram,
+    *,
+    width: int,
+    height: int,
+    view: bool,
+    first_visit: bool = False,
+    **options,
 ) -> Iterator[Page]:
+    """A page that shows all; with ``first_visit`` one that shows what it does at first."""
     context = browser.new_context(viewport={"width": width, "height": height}, **options)
+    if not first_visit:
+        show_all(context)
     context.set_default_timeout(PATIENCE_MS)
     complaints: list[str] = []
     made = context.new_page()

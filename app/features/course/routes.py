@@ -15,6 +15,7 @@ from app.features.course.student_file import student_file_router
 from app.languages.catalogue import Catalogue
 from app.messages.answers import content, refusal
 from app.page.language import language_of, page
+from app.page.people import know
 from app.page.token_guard import role_in
 from app.page.tokens import Role
 from app.settings.config import FRONTEND
@@ -38,7 +39,9 @@ def course_router(file: Path, folder: Path | None = None) -> APIRouter:
     @router.get("/learn/{number}", include_in_schema=False)
     def learn(request: Request, number: int = 1) -> HTMLResponse:
         _lesson(number, folder)
-        return page(FRONTEND / "features" / "course" / "learn.html", request)
+        answer = page(FRONTEND / "features" / "course" / "learn.html", request)
+        know(request, answer)
+        return answer
 
     @router.get("/api/lessons")
     def all_lessons(request: Request) -> list[dict[str, Any]]:

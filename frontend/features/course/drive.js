@@ -17,24 +17,24 @@ export class LessonDrive {
   /**
    * @param {Connection} connection
    * @param {(command: Command) => Promise<boolean>} order
+   * @param {(ended: import("../../drive/lease.js").Ended) => void} tell hears what ended the drive
    */
-  constructor(connection, order) {
+  constructor(connection, order, tell) {
     this.order = order;
-    this.#drive = new Drive(
-      (command) => connection.post(command),
-      () => {},
-    );
+    this.#drive = new Drive(connection, () => {});
+    this.#drive.onEnded(tell);
     this.#eight = new OwnDrive(this.#drive, order, "figure_eight");
-    connection.onTelemetry(({ driver: { name, mine, stopped } }) => {
-      this.#drive.follow(mine ? null : name);
-      if (stopped && performance.now() - this.#begun > SETTLED_MS) this.#drive.disconnect();
+    connection.onTelemetry((telemetry) => {
+      this.#drive.follow(telemetry);
+      const settled = performance.now() - this.#begun > SETTLED_MS;
+      if (telemetry.driver.stopped && settled) this.#drive.endBy("stopped");
     });
     connection.onState((state) => state === "lost" && this.#drive.disconnect());
   }
 
   /** Carry out a command of a button. @param {Command} command */
   async obey(command) {
-    if (command.type === "stop") this.#drive.disconnect();
+    if (command.type === "stop") this.#drive.letGo();
     if (command.type !== "figure_eight") return this.order(command);
     await this.#eight.begin();
     this.#begun = performance.now();

@@ -1,7 +1,9 @@
 // @ts-check
 import { find, findButton, setText } from "../../page/elements.js";
 import { offerLanguages, t } from "../../page/language.js";
+import { endedWords } from "../../drive/ended.js";
 import { Appearance } from "../../page/theme.js";
+import { liveAddress } from "../../page/person.js";
 import { sentence } from "../../page/toasts.js";
 import { Connection } from "../../wire/connection.js";
 import { getJson } from "../../wire/http.js";
@@ -24,7 +26,7 @@ const number = Number(location.pathname.split("/")[2] ?? 1);
 const banner = find("banner", HTMLElement);
 new Appearance(findButton("theme"), findButton("large-text"));
 offerLanguages(find("language", HTMLSelectElement));
-const connection = new Connection("/api/live?rate=30");
+const connection = new Connection(liveAddress("lesson"));
 const list = new LessonList(number);
 const editor = new Editor();
 const checks = new Checks(number, (passed, lines) => {
@@ -32,7 +34,7 @@ const checks = new Checks(number, (passed, lines) => {
   editor.mark(lines);
 });
 const sections = new Sections(order);
-const drive = new LessonDrive(connection, order);
+const drive = new LessonDrive(connection, order, (ended) => setText(banner, endedWords(ended)));
 
 findButton("stop").onclick = () => drive.obey({ type: "stop" });
 document.addEventListener("click", (event) => {

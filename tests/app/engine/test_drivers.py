@@ -166,6 +166,28 @@ def test_who_leaves_while_driving_stops_the_robot_and_nobody_else_does(floor: Fl
     assert floor.try_to(floor.bob, DRIVE)
 
 
+def test_a_programme_waits_for_whoever_renewed_it(floor: Floor) -> None:
+    floor.drivers.put(floor.ann, EIGHT)
+    floor.queue.take()
+    floor.drivers.leave(floor.ann)
+    assert floor.queue.take() == (), "the robot stands when nobody renews it"
+    assert floor.try_to(floor.bob, DRIVE)
+
+
+def test_of_one_person_s_pages_the_one_drives_that_began_last(floor: Floor) -> None:
+    lesson = Driver("the lesson", floor.ann.person)
+    assert all(floor.hold(floor.ann, 0.3))
+    assert floor.try_to(lesson, EIGHT)
+    with pytest.raises(CommandError, match="another page of yours drives"):
+        floor.drivers.put(floor.ann, DRIVE)
+    assert floor.drivers.state.driver is lesson
+    floor.drivers.put(floor.ann, TAKE)
+    assert floor.try_to(floor.ann, DRIVE)
+    assert not floor.try_to(lesson, EIGHT)
+    with pytest.raises(CommandError, match="Ann drives"):
+        floor.drivers.put(floor.bob, DRIVE)
+
+
 def test_no_drive_command_overtakes_a_stop_of_another_thread(
     floor: Floor, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -13,6 +13,7 @@ from engine_runs import EIGHT, drive, kinematic, run
 from app.engine.build import build_program
 from app.engine.command_row import collected
 from app.engine.commands import MOST_WAITING, check, table
+from app.engine.driving import GAP_S
 from app.engine.mailboxes.backlog import MOST_TAKEN
 from app.messages.commands import (
     PauseCommand,
@@ -86,7 +87,7 @@ def test_the_figure_eight_comes_back_and_ends_without_renewal():
     assert max(snapshot.truth.y for snapshot in shown) == pytest.approx(0.38, abs=0.02)
     assert min(snapshot.truth.y for snapshot in shown) == pytest.approx(-0.38, abs=0.02)
     assert run(program, 0.7)[-1].twist == Twist2()
-    assert run(program, 3.0)[-1].mode == "idle"
+    assert run(program, GAP_S)[-1].mode == "idle"
 
 
 @pytest.mark.slow

@@ -100,7 +100,7 @@ def test_a_command_of_a_feature_is_read_and_carried_out_as_all_others():
     with pytest.raises(CommandError, match=r"blink.times"):
         parse('{"type": "blink", "times": "twice"}')
     with pytest.raises(
-        CommandError, match=r"^blink.colour is unknown; valid are 'id', 'type', 'times'$"
+        CommandError, match=r"^blink.colour is unknown; valid are 'id', 'sent', 'type', 'times'$"
     ):
         parse('{"type": "blink", "times": 2, "colour": 3}')
 

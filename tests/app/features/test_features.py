@@ -63,6 +63,7 @@ NAMES = [
     "picture_odometry",
     "recordings",
     "ros",
+    "run_table",
     "weighing",
 ]
 CORE = 285, 33_000

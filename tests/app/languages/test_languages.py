@@ -212,7 +212,7 @@ def test_the_programs_own_words_are_told_in_german() -> None:
     assert "mine.py line 3: Mine liefert None; fehlt das `return`?" in own.translated(told)
     late = own.translated("pictures seem to come 20 ms late")
     assert late == "Bilder scheinen 20 ms zu spät zu kommen"
-    assert own.translated("page 2 at 192.168.1.7") == "Seite 2 auf 192.168.1.7"
+    assert own.translated("program 2 at 192.168.1.7") == "Programm 2 auf 192.168.1.7"
 
 
 @pytest.mark.parametrize("code", languages()[1:])
@@ -258,7 +258,7 @@ def test_code_speaks_another_language_only_in_its_docstrings() -> None:
     [
         (
             {"type": "undo", "colour": 3},
-            "undo.colour ist unbekannt; gültig sind 'id', 'type'",
+            "undo.colour ist unbekannt; gültig sind 'id', 'sent', 'type'",
         ),
         ({"type": "place", "x": 2e4, "y": 0, "theta": 0}, "place.x: Gültig ist höchstens 10000"),
         ({"type": "place", "x": "0", "y": 0, "theta": 0}, "place.x: Gültig ist eine Zahl"),

@@ -37,7 +37,7 @@ def test_of_two_who_drive_the_first_has_the_drive_and_both_see_it(server, live):
         mine = until(other, lambda t: t["driver"]["name"])["driver"]
         assert (mine["mine"], mine["stopped"]) == (True, False)
         theirs = until(live, lambda t: t["driver"]["name"])["driver"]
-        assert theirs == {**mine, "mine": False}
+        assert theirs == {**mine, "mine": False, "this_page": False}
         assert ask(live, type="take")["type"] == "ack"
         assert "take over" in ask(other, type="drive", v=0.1, omega=0)["message"]
         assert until(live, lambda t: t["driver"]["mine"])
@@ -53,7 +53,12 @@ def test_a_stop_holds_against_renewals_of_others(server, live):
         while telemetry(live)["stamp"] < still["stamp"] + 1.5:
             assert "a stop holds" in ask(other, type="drive", v=0.1, omega=0)["message"]
             assert telemetry(live)["twist"]["v"] == 0
-        assert telemetry(live)["driver"] == {"name": None, "mine": False, "stopped": True}
+        assert telemetry(live)["driver"] == {
+            "name": None,
+            "mine": False,
+            "this_page": False,
+            "stopped": True,
+        }
         ask(other, type="take")
         ask(other, type="drive", v=0.1, omega=0)
         until(live, lambda t: t["twist"]["v"] > 0)

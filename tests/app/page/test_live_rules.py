@@ -56,6 +56,15 @@ def test_a_page_that_closes_stops_the_robot_if_it_drove_it(command: str, stops: 
     assert stopped == [True] * stops
 
 
+@pytest.mark.parametrize(("age", "answer"), [(0.0, "ack"), (0.4, "ack"), (0.7, "error")])
+def test_a_drive_command_that_says_that_it_is_old_is_refused(age: float, answer: str) -> None:
+    with page_of(kinematic(drive=PATIENT)) as socket:
+        now = ask(socket, type="ping")["stamp"]
+        told = ask(socket, type="drive", v=0.1, omega=0.0, sent=now - age)
+        assert told["type"] == answer
+        assert ask(socket, type="scatter", sent=now - 5)["type"] == "ack", "it is not too late"
+
+
 @pytest.mark.parametrize(
     ("allowed", "told"), [(False, "started with --allow-code"), (True, "there is no model")]
 )

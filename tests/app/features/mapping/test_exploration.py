@@ -10,11 +10,13 @@ from drawn_maps import MappingBench
 from engine_runs import run
 
 from app.engine.drivers import Driver
+from app.engine.driving import GAP_S
 from app.features.mapping.drawing_work import EXPLORED, NOTHING_SEEN
 from app.features.mapping.messages import ExploreCommand
 from app.features.mapping.routes import drawing_message
 from app.messages.driving_commands import DriveCommand, StopCommand
 from robot.errors import CommandError
+from robot.geometry import Twist2
 
 pytestmark = pytest.mark.slow
 
@@ -95,9 +97,10 @@ def test_a_stop_ends_it_and_nobody_else_takes_it_over(bench):
 def test_without_renewal_the_robot_stands(bench):
     engine = bench.program.engine
     bench.outlets.carry_out(PAGE, START)
-    modes = [engine.step().mode for _ in range(40)]
-    assert modes[5] == "explore"
-    assert modes[-1] == "idle"
+    ticks = [engine.step() for _ in range(40)]
+    assert ticks[5].mode == "explore"
+    assert (ticks[-1].mode, ticks[-1].twist) == ("explore", Twist2())
+    run(bench.program, GAP_S)
     # A renewal alone does not begin again.
     bench.outlets.carry_out(PAGE, RENEW)
     assert engine.step().mode == "idle"

@@ -1,0 +1,1 @@
+"""Numbers of runs: how right the estimate was, with which parameters, and what differs."""
