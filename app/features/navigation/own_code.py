@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import threading
 import time
+from collections.abc import Callable
 from itertools import pairwise
+from queue import Empty, SimpleQueue
 from typing import Any
 
 import numpy as np
@@ -13,6 +16,7 @@ from app.features.own_models.error_messages import (
     errors_named_after,
     line_of,
     place,
+    running,
 )
 from app.features.own_models.model_file import ModelFile, load
 from app.features.own_models.watch import FileWatch
@@ -26,6 +30,9 @@ LOOKS_EVERY_S = 0.25
 """A file that is in use is looked at so often [s]; a save counts when two looks agree."""
 SAME_M, POINTS_M = 0.003, 0.005
 """A corner so near to an end of the way is that end; a way is checked in points so near [m]."""
+HANGS_S = 0.5
+"""A controller that has not answered after so long [s] is given up: the robot drives on with its
+last velocity meanwhile, and stops before a drive command would end by itself."""
 LARGEST = 1e3
 """Larger numbers are a mistake."""
 
@@ -61,6 +68,11 @@ class _OwnFunction:
             except OwnModelError as error:
                 self._fault = error
         raise OwnModelError(str(self._fault))
+
+    def give_up(self, words: str) -> OwnModelError:
+        """Return the error of a call that does not end, and keep it until the file is saved."""
+        self._fault = OwnModelError(words)
+        return self._fault
 
     def refuse(self, words: str) -> OwnModelError:
         """Return the error of a result that is none, and keep it until the file is saved."""
@@ -147,6 +159,7 @@ class OwnController:
             SettingError: there is no such file.
         """
         self._own = _OwnFunction(name)
+        self._calls: _Calls | None = None
 
     def command(self, tracking: Tracking) -> Twist2:
         """Return the twist to command.
@@ -154,7 +167,7 @@ class OwnController:
         Raises:
             OwnModelError: the function has failed, with file and line.
         """
-        given = self._own.call(tracking)
+        given = self._answer(tracking)
         if given is None:
             raise self._own.refuse("it gives None; is its `return` missing?")
         try:
@@ -164,6 +177,58 @@ class OwnController:
         if not (abs(v) < LARGEST and abs(omega) < LARGEST):
             raise self._own.refuse(f"it gives {v}, {omega}; valid are finite numbers")
         return Twist2(v, omega)
+
+    def _answer(self, tracking: Tracking) -> object:
+        """Return what the function gives, or give it up if it does not end."""
+        calls = self._calls = self._calls or _Calls(self._own.call)
+        try:
+            return calls.call(tracking)
+        except TimeoutError:
+            # Python cannot end the thread; it is left to itself, and another one has the next call.
+            self._calls = None
+            where = running(calls.ident)
+            raise self._own.give_up(
+                where or f"{self._own.name} has not answered for {HANGS_S:g} s"
+            ) from None
+
+
+class _Calls:
+    """Calls a function in a thread of its own, which does not keep the program from ending."""
+
+    def __init__(self, function: Callable[[Tracking], object]) -> None:
+        self._asked: SimpleQueue[Tracking] = SimpleQueue()
+        self._answers: SimpleQueue[object] = SimpleQueue()
+        self._function = function
+        self._thread = threading.Thread(target=self._run, name="own controller", daemon=True)
+        self._thread.start()
+
+    @property
+    def ident(self) -> int | None:
+        """Of the thread."""
+        return self._thread.ident
+
+    def call(self, tracking: Tracking) -> object:
+        """Return what the function returns, and raise what it raises.
+
+        Raises:
+            TimeoutError: it has not ended in time.
+        """
+        self._asked.put(tracking)
+        try:
+            answer = self._answers.get(timeout=HANGS_S)
+        except Empty:
+            raise TimeoutError from None
+        if isinstance(answer, OwnModelError):
+            raise answer
+        return answer
+
+    def _run(self) -> None:
+        while True:
+            tracking = self._asked.get()
+            try:
+                self._answers.put(self._function(tracking))
+            except OwnModelError as error:
+                self._answers.put(error)
 
 
 def _pair(given: object) -> Any:

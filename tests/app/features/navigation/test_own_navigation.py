@@ -137,3 +137,34 @@ def test_an_unknown_planner_in_the_settings_is_refused_with_the_first_goal():
             bench.send(goal(0.3, 0.0, None))
     finally:
         bench.close()
+
+
+ENDLESS = """\
+import sys
+import time
+
+
+def command(now):
+    while not hasattr(sys, "own_controllers_end"):
+        time.sleep(0.001)
+"""
+
+
+def test_a_controller_that_never_returns_is_named_by_its_line_and_can_be_mended(file, monkeypatch):
+    monkeypatch.setattr("app.features.navigation.own_code.HANGS_S", 0.2)
+    file.write_text(ENDLESS)
+    own = OwnController(f"{file}:command")
+    try:
+        with pytest.raises(OwnModelError, match=r"mine.py line [67]: .*this does not end"):
+            own.command(None)
+        monkeypatch.setattr("app.features.navigation.own_code.HANGS_S", 20.0)
+        with pytest.raises(OwnModelError, match="this does not end"):  # it is not called again
+            own.command(None)
+        file.write_text("def command(now):\n    return 0.1, 0.25\n")
+        clock = iter(range(10**6, 10**7))
+        monkeypatch.setattr("app.features.navigation.own_code.time.monotonic", lambda: next(clock))
+        with pytest.raises(OwnModelError):  # it may still be written
+            own.command(None)
+        assert own.command(None) == Twist2(0.1, 0.25)
+    finally:
+        monkeypatch.setattr("sys.own_controllers_end", True, raising=False)
