@@ -24,12 +24,14 @@ if TYPE_CHECKING:
     from app.engine.compiling.functions import Compiled
     from app.engine.program import Program
     from app.engine.robot_kind import RobotKind
+    from app.engine.start import Start
     from app.engine.value import Value
     from app.messages.message import Message
     from app.page.outlets import Outlet, Outlets
     from app.settings.config import Config
     from app.tools.doctor.finding import Finding
     from robot.camera import Lens
+    from robot.fields.field import Field
     from robot.hooks import FieldSource
     from robot.localization.filter_kinds import FilterKind
     from sim.engines import PhysicsEngine
@@ -183,6 +185,8 @@ class Feature:
     None leaves it to the next. The second argument says that this process has no other thread."""
     companions: tuple[NewCompanion, ...] = ()
     """Each makes what looks at each tick of an engine, and may give commands: ``Companion``s."""
+    starts: tuple[Callable[[Config, Field], Start | None], ...] = ()
+    """Each may say where a run begins, before the settings do; None, or no place, leaves it."""
     models: tuple[NewModels, ...] = ()
     """Each makes models of sensor and motion, ``AddedModels``, which are chosen by name as ours;
     their names must be new."""

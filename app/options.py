@@ -26,8 +26,6 @@ SETTINGS = {
         SettingOption("port"),
         SettingOption("seed", metavar="N"),
         SettingOption("profile", metavar="PROFILE.toml"),
-        SettingOption("start_pose.restore_pose"),
-        SettingOption("start_pose.pose_file", metavar="FILE"),
     )
 }
 """Options that set settings, by what is typed."""

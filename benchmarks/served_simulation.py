@@ -39,11 +39,14 @@ class Ticks:
     def delays(self, seconds: float) -> np.ndarray:
         """Return the delays of the ticks of the next seconds (n,) [s].
 
-        Where the loop stood, the ticks that were due meanwhile are as late as the one after them.
+        Where the loop stood, the ticks that were due meanwhile are as late as the one after them,
+        or at least as the end of these seconds.
         """
         self._taken()
         time.sleep(seconds)
         ticks = self._taken()
+        if not ticks:  # the loop stood all the time: each tick that was due is late until its end
+            return np.arange(PERIOD, seconds, PERIOD)
         delays = np.array([published - stamp for stamp, published in ticks])
         times = np.array([published for _, published in ticks])
         lost = [np.arange(PERIOD, gap - 1.5 * PERIOD, PERIOD) for gap in np.diff(times)]

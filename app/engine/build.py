@@ -17,13 +17,12 @@ from app.engine.engine import Engine
 from app.engine.follower import Follower
 from app.engine.localization import Localization
 from app.engine.parameter_changes import changed_values
-from app.engine.plugging import companions_of, models_of
+from app.engine.plugging import companions_of, models_of, start_of
 from app.engine.profile_command import calibration_command
 from app.engine.program import LocalProgram
 from app.engine.robot_facts import close_robot
 from app.engine.robots import build_robot, resolve_robot, robot_kind, robot_spec
-from app.engine.start_pose.pose_file import pose_path
-from app.engine.start_pose.start import Start, start
+from app.engine.start import Start, start
 from app.messages.commands import SetParametersCommand
 from app.settings.config import MAPS, Config
 from app.settings.groups import InitialPose
@@ -83,8 +82,7 @@ def build_program(
     config, _ = resolve_robot(config)
     field = field or load_field(config.map, MAPS)
     added = models_of(config, field)
-    path = pose_path(config.start_pose.pose_file, config.robot, field)
-    begin = start(config.start_pose, path, field)
+    begin = start_of(config, field)
     if robot is None:
         rng = Streams.of(config.seed).robot
         robot = build_robot(config, robot_spec(config), field, rng, wait)
@@ -107,7 +105,7 @@ def build_program(
         failing.pop_all()
     if begin.complaint is not None:
         engine.note(begin.complaint)
-    return LocalProgram(engine, robot, field, config, path, choice_of(added))
+    return LocalProgram(engine, robot, field, config, choice_of(added))
 
 
 def build_on_map(program: LocalProgram, name: str, field: Field, place: Hypothesis) -> LocalProgram:
@@ -127,21 +125,18 @@ def build_on_map(program: LocalProgram, name: str, field: Field, place: Hypothes
     # A recording's replay begins where the configuration says.
     pose, covariance = place.pose, tuple(place.covariance.ravel().tolist())
     initial = InitialPose(pose.x, pose.y, pose.theta, covariance=covariance)
-    begins = replace(
-        program.config.start_pose, restore_pose=False, set_initial_pose=True, initial_pose=initial
-    )
-    config = replace(program.config, map=name, start_pose=begins)
+    begins = replace(program.config.start_pose, set_initial_pose=True, initial_pose=initial)
+    config = replace(program.config, map=name, start_pose=replace(begins, restore_pose=False))
     controls, robot = program.engine.controls, program.robot
     scanner = LineScanner(controls.spec.floor_view, config.scanner, field.tape)
-    path = pose_path(begins.pose_file, config.robot, field)
-    added, begin = models_of(config, field), replace(start(begins, path, field), odometry=pose)
+    added, begin = models_of(config, field), replace(start(begins, field), odometry=pose)
     parameters = controls.localization.parameters
     engine = build_engine(
         config, robot, field, scanner, added=added, begin=begin, parameters=parameters
     )
     if controls.spec is not robot.spec:
         engine.commands.put(calibration_command(Profile.of(controls.spec)))
-    return LocalProgram(engine, robot, field, config, path, choice_of(added))
+    return LocalProgram(engine, robot, field, config, choice_of(added))
 
 
 def build_on_field(

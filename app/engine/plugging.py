@@ -14,6 +14,7 @@ from app.engine.command_row import CommandRow, collected
 from app.engine.companions import Companions, NewCompanion
 from app.engine.program import Program
 from app.engine.robot_kind import Blueprint, RobotKind, require_robot
+from app.engine.start import Start, start
 from app.engine.value import Value
 from app.feature import Feature
 from app.feature_search import Features, failure_of, find_features, named
@@ -60,6 +61,8 @@ class Plugged:
     """What ticks show."""
     companions: tuple[tuple[str, NewCompanion], ...]
     """What goes along with each engine, and whose it is."""
+    starts: tuple[tuple[str, Callable[[Config, Field], Start | None]], ...]
+    """What may say where a run begins, and whose it is."""
     models: tuple[tuple[str, NewModels], ...]
     """What makes models of sensor and motion, and whose they are."""
     robots: Mapping[str, RobotKind]
@@ -95,7 +98,7 @@ class Plugged:
         rows = [row for room in ROOMS_WITH_COMMANDS for row in import_module(room).COMMANDS]
         values: tuple[Value, ...] = import_module(ROOM_WITH_VALUES).VALUES
         robots = {kind.name: kind for kind in import_module(ROOM_WITH_ROBOTS).ROBOTS}
-        return cls(features, collected(rows), values, (), (), robots, MESSAGES)
+        return cls(features, collected(rows), values, (), (), (), robots, MESSAGES)
 
     def with_feature(self, feature: Feature) -> Plugged:
         """Return the tables with what a feature adds: all of it.
@@ -130,6 +133,7 @@ class Plugged:
             rows=collected_rows,
             values=(*self.values, *values),
             companions=(*self.companions, *companions),
+            starts=(*self.starts, *((feature.name, each) for each in feature.starts)),
             models=(*self.models, *models),
             robots={**self.robots, **{kind.name: _robot_kind(feature, kind) for kind in robots}},
             documents=(*self.documents, *feature.documents),
@@ -179,6 +183,24 @@ def plugged() -> Plugged:
 def companions_of(config: Config, robot: Robot, field: Field) -> Companions:
     """Return what goes along with a new engine; a feature that makes nothing harms no other."""
     return Companions(*_of_each(plugged().companions, lambda make: make(config, robot, field)))
+
+
+def start_of(config: Config, field: Field) -> Start:
+    """Return where a run begins: where a feature says, else the configured pose or the field's.
+
+    Raises:
+        FieldError: the configured pose is not on the field.
+    """
+
+    def asked(begins: Callable[[Config, Field], Start | None]) -> list[Start]:
+        said = begins(config, field)
+        return [] if said is None else [said]
+
+    said, failures = _of_each(plugged().starts, asked)
+    begins = [begin for _, begin in said if begin.hypotheses] or [start(config.start_pose, field)]
+    complaints = [begin.complaint for _, begin in said if begin.complaint]
+    complaint = " ".join((*complaints, *failures.values()))
+    return replace(begins[0], complaint=complaint or None)
 
 
 def models_of(config: Config, field: Field) -> tuple[AddedModels, ...]:

@@ -6,7 +6,6 @@ import dataclasses
 import threading
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 
 from app.engine.added_models import ModelChoice
 from app.engine.control import ControlLoop
@@ -27,8 +26,6 @@ class Program:
     robot: Robot
     field: Field
     config: Config
-    pose_file: Path
-    """The file that keeps the pose for the next start."""
     given: ModelChoice
     """Models of features at the start."""
     loop: Callable[[threading.Event], None] | None = None

@@ -24,7 +24,6 @@ def add_serving(run: CommandParser) -> None:
     add_condition(run)
     add_settings(run, "profile")
     add_config(run)
-    add_settings(run, "restore_pose", "pose_file")
     if run.features is not None:
         run.features.add_run_options(run)
 

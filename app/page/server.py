@@ -13,7 +13,6 @@ from fastapi.responses import JSONResponse
 from app.engine.engine_thread import EngineThread
 from app.engine.program import Program
 from app.engine.rest import Audience
-from app.engine.start_pose.keeping import PoseKeeper
 from app.messages.answers import content, refusal
 from app.page.application import new_application
 from app.page.camera_stream import STREAM, CameraStream
@@ -39,12 +38,6 @@ def create_app(
     With tokens, each request must bring one of them. Routers and documents are those of features.
     """
     view = View(program.field, program.robot.spec, program.engine.latest, outlets.view_layers())
-    keeper = PoseKeeper(
-        program.pose_file,
-        program.config.start_pose.save_pose_rate,
-        program.field,
-        program.engine.latest,
-    )
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
@@ -52,18 +45,16 @@ def create_app(
         try:
             async with anyio.create_task_group() as tasks:
                 tasks.start_soon(view.follow)
-                tasks.start_soon(keeper.follow)
                 yield
                 tasks.cancel_scope.cancel()
         finally:
             thread.stop()
-            keeper.save()
             view.close()
 
     app = new_application(program.config, tokens, lifespan, documents)
     camera = CameraStream(program.engine.latest, thread.stopping, program.engine.audience)
     _add_streams(app, view, camera, program.engine.audience)
-    app.include_router(state_router(program, thread, (view, keeper), outlets))
+    app.include_router(state_router(program, thread, view, outlets))
     app.include_router(field_router(program))
     app.include_router(faults_router(program))
     for router in (*outlets.routers(), *routers):

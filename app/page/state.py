@@ -11,7 +11,6 @@ from fastapi import APIRouter, HTTPException, Query, Response, WebSocket
 from app.engine.engine_thread import EngineThread
 from app.engine.problems import Problem
 from app.engine.program import Program
-from app.engine.start_pose.keeping import PoseKeeper
 from app.languages.marking import phrase
 from app.messages.answers import HealthMessage, ProblemMessage, ProblemsMessage, refusal
 from app.messages.telemetry import TelemetryMessage
@@ -24,7 +23,7 @@ from app.page.view.view import View
 def state_router(
     program: Program,
     thread: EngineThread,
-    followers: tuple[View, PoseKeeper],
+    view: View,
     outlets: Outlets,
 ) -> APIRouter:
     """Serve telemetry, what went wrong, and whether the program works.
@@ -32,7 +31,7 @@ def state_router(
     Args:
         program: the program.
         thread: its engine's thread.
-        followers: the 3D view, and what keeps the pose.
+        view: the 3D view.
         outlets: what carries out commands.
     """
     router = APIRouter()
@@ -43,7 +42,7 @@ def state_router(
     @router.get("/api/health", responses={503: {"model": HealthMessage}})
     def health(response: Response) -> HealthMessage:
         """Whether the program works; 503 when it has failed."""
-        status, detail = _health(program, thread, followers, outlets)
+        status, detail = _health(program, thread, view, outlets)
         if status == "failed":
             response.status_code = 503
         latest = engine.latest.get()
@@ -89,7 +88,7 @@ def state_router(
 def _health(
     program: Program,
     thread: EngineThread,
-    followers: tuple[View, PoseKeeper],
+    view: View,
     outlets: Outlets,
 ) -> tuple[str, str]:
     latest = program.engine.latest.get()
@@ -103,8 +102,8 @@ def _health(
     if silent > STALE_S:
         where = program.engine.where_it_hangs(thread.ident)
         return "degraded", " ".join([phrase(f"No tick for {silent:.1f} s."), *where])
-    failures = [follower.failure for follower in followers if follower.failure]
-    problems = [*latest.problems.present, *failures, *outlets.failures]
+    failure = [view.failure] if view.failure else []
+    problems = [*latest.problems.present, *failure, *outlets.failures]
     if problems:
         return "degraded", " ".join(problems)
     return "ok", "All is well."

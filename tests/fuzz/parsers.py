@@ -19,8 +19,8 @@ from rosbridge_sessions import Client, bridge_of
 from app.engine.commands import check, parse
 from app.engine.drivers import Driver, Drivers
 from app.engine.program import Program
-from app.engine.start_pose.pose_file import PoseFileError
-from app.engine.start_pose.pose_file import read as read_pose
+from app.features.kept_pose.pose_file import PoseFileError
+from app.features.kept_pose.pose_file import read as read_pose
 from app.features.lab.sweep.sweep_file import load_sweep
 from app.features.lab.trajectories.reading import read_trajectory
 from app.features.recordings.files.mcap_reader import open_recording

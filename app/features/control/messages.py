@@ -6,7 +6,6 @@ Commands go to control as they are; these are all others.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 
 from app.engine.added_models import ModelChoice
 from app.engine.robot_facts import RobotFacts
@@ -65,7 +64,6 @@ class Begun:
     facts: RobotFacts
     field: Field
     config: Config
-    pose_file: Path
     given: ModelChoice
     """The user's own models at the start."""
     scanner: LineScanner

@@ -136,7 +136,6 @@ class _ControlProcess:
             RobotFacts.of(program.robot),
             program.field,
             program.config,
-            program.pose_file,
             program.given,
             scanner,
         )

@@ -255,7 +255,6 @@ class RemoteProgram(Program):
             DistantRobot(process, begun.facts),
             begun.field,
             begun.config,
-            begun.pose_file,
             begun.given,
             process=process,
             known=begun.facts,

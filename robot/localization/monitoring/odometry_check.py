@@ -84,7 +84,7 @@ class OdometryCheck:
     def __init__(self, errors: SteadyErrors = USUAL) -> None:
         """Begin with how large the errors may be."""
         self._steps: deque[_Step] = deque()
-        empty = (np.zeros(size) for size in ((7, 7), 7, 3, 3, 3, 2))
+        empty = (np.zeros(size) for size in ((7, 7), 7, 3, 3, 3, 3, 2))
         self._sums = StepSums(np.diag(errors.odometry**-2), *empty)
         self._last: tuple[float, Pose2] | None = None
         """Stamp and odometry of the last pose; where odometry is, no jump of the pose changes."""

@@ -40,7 +40,9 @@ class StepSums(NamedTuple):
     pull: Array
     """(7,) information times errors."""
     left: Array
-    """(3,) unexplained rest of the last seconds' steps [m, m, rad]."""
+    """(3,) unexplained rest of the last seconds' steps [m, m, rad], each by what it tells."""
+    told: Array
+    """(3,) what these steps tell: one that is as sure as steps are counts as one."""
     squares: Array
     """(3,) squares of that rest without its mean, in its spreads."""
     wiggle: Array
@@ -96,9 +98,12 @@ def add_step(
     keep, recent = math.exp(-elapsed / MEMORY), math.exp(-elapsed / RECENT)
     left = offset - columns @ values
     sums.counts[1] = recent * sums.counts[1] + share
-    sums.left[:] = recent * sums.left + share * left
+    # Where the pose was hardly known, and is found, a step is long without any slip.
+    tells = share * spread**2 / variance
+    sums.left[:] = recent * sums.left + tells * left
+    sums.told[:] = recent * sums.told + tells
     # A steady difference is no slip, even if it is not learnt yet.
-    unsteady = (left - sums.left / (sums.counts[1] + 1)) ** 2 / variance
+    unsteady = (left - sums.left / (sums.told + 1)) ** 2 / variance
     if not settled:
         unsteady[:2] = np.minimum(unsteady[:2], 1.0)
     # While wheels slip, steps say less about the steady errors.

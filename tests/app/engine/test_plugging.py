@@ -18,6 +18,7 @@ from app.engine.commands import parse, row_of, table
 from app.engine.plugging import plug_in, plugged
 from app.engine.robot_kind import RobotKind
 from app.engine.simulated_robots import build_kinematic
+from app.engine.start import Start
 from app.engine.value import Value
 from app.engine.values import values
 from app.feature import Feature
@@ -35,8 +36,10 @@ from robot.description.spec import SPIKE, RobotSpec, SpecError
 from robot.errors import CommandError, PackageError
 from robot.fields.field import FieldError
 from robot.fields.field_loading import load_field
+from robot.geometry import Pose2
 from robot.hooks import FieldSource
 from robot.lens_files.writing import FORMATS
+from robot.localization.estimate import Hypothesis
 from robot.localization.filter_kinds import FilterKind
 from robot.localization.kalman_filter import KalmanFilter
 from robot.localization.parameters import FilterParameters, LocalizationParameters
@@ -160,6 +163,19 @@ def test_models_that_cannot_be_had_are_named_and_the_robot_drives(made, words):
 def test_models_of_several_features_are_one_list():
     plug_in(lamps(models=(lambda config, field: [Lamps("bright"), Lamps("dim")],)))
     assert kinematic().given == ModelChoice(sensors=("bright", "dim"))
+
+
+def test_a_run_begins_where_a_feature_says_and_its_mistake_is_told():
+    there = Hypothesis(1.0, Pose2(0.2, -0.1, 1.0), np.diag([1e-6, 1e-6, 1e-6]))
+    plug_in(lamps(starts=(lambda config, field: Start((there,)),)))
+    shown = run(kinematic(), 0.02, EIGHT)[-1]
+    assert shown.filter.cloud.poses.mean(axis=0) == pytest.approx([0.2, -0.1, 1.0], abs=0.01)
+    plug_in(lamps(starts=(lambda config, field: 1 / 0, lambda config, field: None)))
+    program = kinematic()
+    shown = run(program, 0.02, EIGHT)[-1]
+    (problem,) = shown.problems.record
+    assert problem.message.startswith("The feature lamps cannot be used: ZeroDivisionError")
+    assert shown.truth.distance_to(program.field.start) < 0.01
 
 
 def test_without_features_there_are_our_models_alone():

@@ -14,7 +14,7 @@ from app.engine.engine import Engine
 from app.engine.parameter_changes import with_values_and_models
 from app.engine.plugging import models_of
 from app.engine.program import LocalProgram
-from app.engine.start_pose.start import Start, start
+from app.engine.start import Start, start
 from app.features.recordings.attachments import PROFILE, SETTINGS, URDF
 from app.features.recordings.files.mcap_reader import RecordingReader, open_recording
 from app.features.recordings.files.recorded import RecordingError
@@ -175,14 +175,11 @@ def open_replay(
     replay = Replay(
         timeline, _name(path), _duration(reader, robot), paused=options.paused, speed=options.speed
     )
-    # The pose file is never written: the robot is elsewhere by now.
-    pose_file = path.absolute()
     return ReplayProgram(
         engine,
         robot,
         field,
         config,
-        pose_file,
         choice_of(added),
         replay.run,
         replay=replay,
@@ -272,7 +269,7 @@ def _start(config: Config, parts: RecordedParts, field: Field, robot: RecordedRo
         result = first_estimate(robot.reader, robot.topics, robot.start_ns)
         if result is not None and field.contains(result.pose):
             return Start((result,))
-    return start(replace(wanted, restore_pose=False), Path(), field)
+    return start(wanted, field)
 
 
 def _remarks(reader: RecordingReader, parts: RecordedParts, options: ReplayOptions) -> list[str]:

@@ -11,6 +11,7 @@ from pydantic import ValidationError
 from app.files import atomic_file
 from app.messages.message import Message
 from app.messages.telemetry import HypothesisMessage, PoseMessage
+from app.settings.config import Config
 from robot.covariance import CovarianceError, covariance_from
 from robot.errors import BrickPoseError
 from robot.fields.field import Field
@@ -57,11 +58,11 @@ class SavedPose(Message):
         return tuple(sorted(result, key=lambda item: -item.weight))
 
 
-def pose_path(file: str, robot: str, field: Field) -> Path:
+def pose_path(config: Config, field: Field) -> Path:
     """Return the path of the pose file: the named file, else one for each robot and map."""
-    if file:
-        return Path(file).absolute()
-    return state_folder() / f"pose-{robot}-{field.name}.json"
+    if config.start_pose.pose_file:
+        return Path(config.start_pose.pose_file).absolute()
+    return state_folder() / f"pose-{config.robot}-{field.name}.json"
 
 
 def write(path: Path, saved: SavedPose) -> None:

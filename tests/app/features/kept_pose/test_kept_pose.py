@@ -3,16 +3,17 @@
 import json
 import re
 from dataclasses import replace
+from types import SimpleNamespace
 
-import anyio
 import numpy as np
 import pytest
+from camera_sources import until
 
 from app.command_line import main
 from app.engine.build import build_program
-from app.engine.start_pose.keeping import PoseKeeper, saved_pose
-from app.engine.start_pose.pose_file import PoseFileError, pose_path, read, write
-from app.engine.start_pose.start import start
+from app.engine.plugging import start_of
+from app.features.kept_pose.keeping import PoseKeeper, saved_pose
+from app.features.kept_pose.pose_file import PoseFileError, pose_path, read, write
 from app.messages.commands import PauseCommand, ResetCommand, SetParticlesCommand
 from app.messages.driving_commands import DriveCommand
 from app.options import config_from
@@ -41,8 +42,15 @@ def last_of(run):
     return run.engine.latest.get()
 
 
-def keeper(run, rate=0.5):
-    return PoseKeeper(run.pose_file, rate, run.field, run.engine.latest)
+def file_of(run):
+    return pose_path(run.config, run.field)
+
+
+def keeper(run, **settings):
+    """What keeps the pose of a program, with other settings."""
+    begins = replace(run.config.start_pose, **settings)
+    kept = replace(run, config=replace(run.config, start_pose=begins))
+    return PoseKeeper(SimpleNamespace(program=kept))
 
 
 @pytest.fixture(scope="module")
@@ -58,7 +66,7 @@ def driven(tmp_path_factory):
 def test_the_next_run_starts_where_the_last_one_ended(driven):
     last = last_of(driven)
     assert last.pose.distance_to(driven.field.start) > 0.1
-    restored = program(pose_file=str(driven.pose_file), restore_pose=True)
+    restored = program(pose_file=str(file_of(driven)), restore_pose=True)
     now = step(restored, 1)
     assert now.truth.distance_to(last.truth) < 1e-6
     assert now.odometry.distance_to(last.truth) < 1e-6
@@ -71,7 +79,7 @@ def test_the_next_run_starts_where_the_last_one_ended(driven):
 
 
 def test_unless_asked_it_starts_at_the_fields_start(driven):
-    run = program(pose_file=str(driven.pose_file))
+    run = program(pose_file=str(file_of(driven)))
     now = step(run, 1)
     assert now.truth == run.field.start
     assert now.filter.cloud.poses[:, 0].mean() == pytest.approx(run.field.start.x, abs=0.01)
@@ -92,8 +100,9 @@ def test_unless_asked_it_starts_at_the_fields_start(driven):
 )
 def test_a_damaged_file_is_told_and_not_used(driven, tmp_path, change, why):
     path = tmp_path / "pose.json"
-    path.write_bytes(change(driven.pose_file.read_bytes()))
-    begin = start(StartPoseSettings(restore_pose=True), path, driven.field)
+    path.write_bytes(change(file_of(driven).read_bytes()))
+    wanted = StartPoseSettings(restore_pose=True, pose_file=str(path))
+    begin = start_of(replace(driven.config, start_pose=wanted), driven.field)
     assert begin.hypotheses == ()
     assert begin.truth is None
     assert re.search(f"^The saved pose is not used: {path}.*{why}", begin.complaint)
@@ -126,7 +135,8 @@ def test_what_is_written_is_read_again(driven, tmp_path):
 def test_a_robot_pushed_off_the_map_loses_nothing_but_its_true_place(driven, tmp_path):
     last, path = last_of(driven), tmp_path / "pose.json"
     write(path, saved_pose(replace(last, truth=Pose2(5.0, 0.0, 0.0)), driven.field))
-    begin = start(StartPoseSettings(restore_pose=True), path, driven.field)
+    wanted = StartPoseSettings(restore_pose=True, pose_file=str(path))
+    begin = start_of(replace(driven.config, start_pose=wanted), driven.field)
     assert begin.complaint is None
     assert begin.truth is None
     assert len(begin.hypotheses) == len(saved_pose(last, driven.field).hypotheses) > 0
@@ -167,12 +177,26 @@ def test_a_robot_that_stands_is_not_saved_again(driven, monkeypatch):
     assert keep.failure is None
 
 
+def test_it_is_saved_while_the_robot_drives_and_once_more_at_the_end(tmp_path):
+    path = tmp_path / "pose.json"
+    run = program(pose_file=str(path), save_pose_rate=10.0)
+    keep = keeper(run)
+    step(run, 2)
+    keep.start()
+    until(path.exists)
+    step(run, 50, DriveCommand(type="drive", v=0.15, omega=0.5))
+    keep.close()
+    keep.close()
+    assert read(path, run.field) == saved_pose(last_of(run), run.field)
+
+
 @pytest.mark.parametrize("rate", [0.0, -1.0])
 def test_a_rate_of_zero_or_as_in_nav2_of_minus_one_saves_never(driven, tmp_path, rate):
     assert StartPoseSettings(save_pose_rate=rate).save_pose_rate == rate
-    keep = keeper(replace(driven, pose_file=tmp_path / "pose.json"), rate)
+    keep = keeper(driven, pose_file=str(tmp_path / "pose.json"), save_pose_rate=rate)
+    keep.start()
     keep.save()
-    anyio.run(keep.follow)
+    keep.close()
     assert list(tmp_path.iterdir()) == []
 
 
@@ -240,10 +264,11 @@ def test_the_configuration_takes_a_covariance(tmp_path):
 
 def test_the_file_is_in_the_users_state_folder_by_robot_and_map(driven, monkeypatch, tmp_path):
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
-    assert pose_path("", "sim", driven.field) == tmp_path / "brickpose" / "pose-sim-square.json"
+    config = Config(robot="sim")
+    assert pose_path(config, driven.field) == tmp_path / "brickpose" / "pose-sim-square.json"
     monkeypatch.setenv("XDG_STATE_HOME", "not/absolute")
     monkeypatch.setenv("HOME", "/home/somebody")
-    here = pose_path("", "sim", driven.field)
+    here = pose_path(config, driven.field)
     assert str(here) == "/home/somebody/.local/state/brickpose/pose-sim-square.json"
 
 
@@ -260,6 +285,6 @@ def test_options_reach_the_start_pose(monkeypatch, tmp_path):
 
 
 def test_the_file_is_plain_json(driven):
-    content = json.loads(driven.pose_file.read_text())
+    content = json.loads(file_of(driven).read_text())
     assert content["map"] == "square"
     assert len(content["hypotheses"][0]["covariance"]) == 9

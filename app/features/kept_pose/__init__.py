@@ -1,0 +1,1 @@
+"""Keeps the robot's pose from one run to the next."""
