@@ -10,7 +10,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from robot.fields.field import Extent, Field
+from robot.fields.field import Field
+from robot.fields.floor_picture import Extent
 from robot.geometry import Array, Pose2
 from robot.navigation.settings import NavigationSettings
 from robot.navigation.walls import Walls
