@@ -237,7 +237,8 @@ def _why(before: Journey, journey: Journey | None, controls: Controls) -> str:
 def _tick(reading: Reading, controls: Controls) -> Sensed:
     odometry, follower = controls.odometry.at(reading.stamp), controls.follower
     belief, newest = follower.belief, getattr(follower, "newest", None)
-    pose, places = None, ()
+    pose: Pose2 | None = None
+    places: tuple[Pose2, ...] = ()
     if belief is not None:
         pose = belief.pose(odometry.odom_from_robot)
         moved = belief.moved(odometry.odom_from_robot)
