@@ -5,10 +5,12 @@ from __future__ import annotations
 import ast
 import re
 import sys
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import cache
 from importlib.abc import MetaPathFinder
 from importlib.machinery import ModuleSpec, PathFinder, SourceFileLoader
+from itertools import pairwise
 from pathlib import Path
 from types import CodeType, ModuleType
 from typing import TypeGuard
@@ -34,7 +36,7 @@ class Constant:
         """
         module, _, constant = name.rpartition(".")
         several = [cls(dotted, constant) for dotted in _modules() if _ends(dotted, module)]
-        several = [each for each in several if each._stands]
+        several = [each for each in several if each.stands]
         if not module or len(several) != 1:
             names = ", ".join(each.module for each in several) or "no module"
             raise ValueError(f"{names} has {name!r}; valid is MODULE.NAME of one constant")
@@ -49,8 +51,41 @@ class Constant:
         return self._path.read_text("utf-8")
 
     @property
-    def _stands(self) -> bool:
-        return any(_place(each, self.name) is not None for each in ast.parse(self._source).body)
+    def stands(self) -> bool:
+        """Whether its module sets it."""
+        return any(_place(each, self.name) is not None for each in _parsed(self.module)[1].body)
+
+    @property
+    def place(self) -> str:
+        """Its file, below the root of the repository."""
+        return str(self._path.relative_to(ROOT))
+
+    def expression(self, value: str = "*1") -> str:
+        """Return what it is, or becomes by a value, as source text."""
+        tree = ast.parse(self._source)
+        if value != "*1":
+            _change(tree, self.name, value)
+        for statement in tree.body:
+            place = _place(statement, self.name)
+            if place is not None and isinstance(statement, ast.Assign):
+                value_tree = statement.value
+                if isinstance(statement.targets[0], ast.Tuple):
+                    assert isinstance(value_tree, ast.Tuple)
+                    value_tree = value_tree.elts[place]
+                return ast.unparse(value_tree)
+        raise ValueError(f"{self.module} has no {self.name}")
+
+    @property
+    def sentence(self) -> str:
+        """The first sentence of the text below it; empty if there is none."""
+        for statement, following in pairwise(ast.parse(self._source).body):
+            if _place(statement, self.name) is None or not isinstance(following, ast.Expr):
+                continue
+            value = getattr(following.value, "value", None)
+            if isinstance(value, str):
+                text = " ".join(value.partition("\n\n")[0].split())
+                return re.split(r"(?<=[^.][.?!])\s", text, maxsplit=1)[0]
+        return ""
 
     @property
     def compiled_users(self) -> tuple[tuple[str, str], ...]:
@@ -64,10 +99,9 @@ class Constant:
         functions = []
         users = []
         for module in _modules():
-            source = Constant(module, "")._source
+            source, tree = _parsed(module)
             if "@compiled(" not in source:
                 continue
-            tree = ast.parse(source)
             own = [(module, each) for each in tree.body if _is_compiled(each)]
             functions += own
             if module == self.module or importing.search(source):
@@ -86,7 +120,8 @@ def change(constants: Iterable[Constant], value: str) -> None:
 
     Args:
         constants: all that change, in one call.
-        value: an expression; after ``*`` a factor. What was whole stays whole, and at least 1.
+        value: an expression; after ``*`` a factor, for each of several numbers. What was whole
+            stays whole, and at least 1.
     """
     trees: dict[str, ast.Module] = {}
     for each in constants:
@@ -123,10 +158,17 @@ class _ChangedLoader(SourceFileLoader):
         return self._code
 
 
-def _modules() -> Iterator[str]:
-    for room in ROOMS:
-        for path in sorted((ROOT / room).rglob("*.py")):
-            yield ".".join(path.relative_to(ROOT).with_suffix("").parts)
+@cache
+def _modules() -> tuple[str, ...]:
+    paths = [path for room in ROOMS for path in sorted((ROOT / room).rglob("*.py"))]
+    return tuple(".".join(path.relative_to(ROOT).with_suffix("").parts) for path in paths)
+
+
+@cache
+def _parsed(module: str) -> tuple[str, ast.Module]:
+    """Return the source of a module, and its tree, which nobody may change."""
+    source = Constant(module, "")._source
+    return source, ast.parse(source)
 
 
 def _ends(dotted: str, ending: str) -> bool:
@@ -161,9 +203,10 @@ def _calls(function: ast.FunctionDef, names: set[str]) -> bool:
     return bool(_names(function, ast.Load) & names)
 
 
-def _names(statement: ast.stmt, context: type[ast.expr_context]) -> set[str]:
+@cache
+def _names(statement: ast.stmt, context: type[ast.expr_context]) -> frozenset[str]:
     names = (each for each in ast.walk(statement) if isinstance(each, ast.Name))
-    return {name.id for name in names if isinstance(name.ctx, context)}
+    return frozenset(name.id for name in names if isinstance(name.ctx, context))
 
 
 def _change(tree: ast.Module, name: str, value: str) -> None:
@@ -182,7 +225,11 @@ def _change(tree: ast.Module, name: str, value: str) -> None:
 
 
 def _other(expression: ast.expr, value: str) -> ast.expr:
+    if isinstance(expression, ast.Tuple) and value.startswith("*"):
+        return ast.Tuple([_other(each, value) for each in expression.elts], ast.Load())
     text = f"({ast.unparse(expression)}){value}" if value.startswith("*") else value
     if isinstance(expression, ast.Constant) and isinstance(expression.value, int):
+        if re.fullmatch(r"\*[\d.]+", value):
+            return ast.Constant(max(1, round(expression.value * float(value[1:]))))
         text = f"max(1, round({text}))"
     return ast.parse(text, mode="eval").body

@@ -1,6 +1,6 @@
-"""Trials of a constant of mapping or calibration: floors are drawn, and robots calibrated.
+"""Trials of a constant of mapping: maps of floors are drawn from drives with pictures of the floor.
 
-Their drives are recorded once. A map lies on the floor as its first pose does.
+The drives are recorded once. A map lies on the floor as its first pose does.
 """
 
 from __future__ import annotations
@@ -20,12 +20,9 @@ from app.engine.build import Streams
 from app.engine.robots import build_robot
 from app.settings.conditions import apply_condition
 from app.settings.config import MAPS, Config
-from robot.calibration.adjustment import CalibrationError
-from robot.calibration.calibrate import START_COVARIANCE, calibrate
 from robot.calibration.drive_log import DriveLog, DriveRecorder
-from robot.calibration.programme import velocity
 from robot.description.spec import RobotSpec
-from robot.description.unknowns import ROBOT, Differences
+from robot.description.unknowns import Differences
 from robot.driving.differential_drive import DifferentialDrive
 from robot.driving.figure_eight import FigureEight
 from robot.fields.edges import sample
@@ -40,11 +37,7 @@ from sim.simulated import no_wait
 
 DRAWN = (("stub", 60200), ("tee", 60201), ("generated-2", 60202))
 """Floors, and the robots that draw them; the last one's tape bends."""
-CALIBRATED = (60203, 60204)
-"""Robots that were built by hand, and calibrate themselves on the square."""
-LAP_S, CALIBRATION_S = 16.5, 30.0
-PLACED = Pose2(0.02, -0.02, 0.06)
-"""How far off the start of a calibration is told."""
+LAP_S = 16.5
 STEP = 0.004
 """Distance of the points at which edges are compared [m]."""
 SAME_EDGE = 0.02
@@ -61,7 +54,9 @@ class LoggedDrive:
     """(k, 3) true poses at the pictures."""
     values: Array
     """(n,) true differences of the robot from its description."""
-    is_mapped: bool
+    name: str
+    """Of the field."""
+    seed: int
 
 
 def recorded(kept: Path | None, seed: int = 0) -> list[LoggedDrive]:
@@ -69,35 +64,46 @@ def recorded(kept: Path | None, seed: int = 0) -> list[LoggedDrive]:
     if kept is not None and kept.exists():
         drives: list[LoggedDrive] = pickle.loads(kept.read_bytes())  # our own, of a minute ago
         return drives
-    eight = FigureEight()
-    drives = [
-        _driven("default", name, seed + number, LAP_S, eight.twist, is_mapped=True)
-        for name, number in DRAWN
-    ] + [
-        _driven("hand-built", "square", seed + number, CALIBRATION_S, velocity, is_mapped=False)
-        for number in CALIBRATED
-    ]
+    drives = [lap(name, seed + number) for name, number in DRAWN]
     if kept is not None:
         kept.write_bytes(pickle.dumps(drives))
     return drives
 
 
-def _driven(
+def few(drives: list[LoggedDrive]) -> list[LoggedDrive]:
+    """Return the first, and the last, whose tape bends."""
+    return [drives[0], drives[-1]]
+
+
+def lap(name: str, seed: int) -> LoggedDrive:
+    """Return a lap of the figure-eight of a robot that is as it is described."""
+    return driven("default", name, seed, LAP_S, FigureEight().twist)
+
+
+def driven(
     condition: str,
     name: str,
     seed: int,
     seconds: float,
     motion: Callable[[float], Twist2],
-    *,
-    is_mapped: bool,
 ) -> LoggedDrive:
+    """Return what a robot logs that was built in a condition, and the truth.
+
+    Args:
+        condition: by which it was built; with any but the usual one the scanner's limits are
+            wider, as its calibration is not known.
+        name: of the field.
+        seed: of the robot and of its sensors.
+        seconds: how long it drives.
+        motion: how it drives, by the time.
+    """
     spec, field = RobotSpec.load(), load_field(name, MAPS)
     config = apply_condition(Config(robot="sim"), condition)
     # More pictures than the recorder takes would only be rendered.
     camera = replace(config.sim.camera, frame_rate=10.0)
     config = replace(config, sim=replace(config.sim, camera=camera))
     robot = build_robot(config, spec, field, Streams.of(seed).robot, no_wait)
-    recorder = DriveRecorder(spec, config.scanner, field.tape, calibrated=is_mapped)
+    recorder = DriveRecorder(spec, config.scanner, field.tape, calibrated=condition == "default")
     drive = DifferentialDrive(spec)
     truths: list[tuple[float, ...]] = []
     try:
@@ -116,33 +122,30 @@ def _driven(
     exposed = recorder.log.stamps - delay
     poses = [np.interp(exposed, path[:, 0], column) for column in path.T[1:]]
     values = Differences.between(spec, true, delay).values
-    return LoggedDrive(recorder.log, field, np.column_stack(poses), values, is_mapped)
+    return LoggedDrive(recorder.log, field, np.column_stack(poses), values, name, seed)
 
 
 def tried(drives: list[LoggedDrive], other_numbers: int) -> dict[str, Any]:
-    """Draw the maps, and calibrate; return figures by name, and a number for each result.
+    """Draw the maps; return figures by name, and a number for each result.
 
     Args:
         other_numbers: if not 0, added to the seeds of other drives.
     """
-    results = []
-    for drive in recorded(None, other_numbers) if other_numbers else drives:
+    drawn = []
+    for drive in drives:
         try:
-            results.append(_drawn(drive) if drive.is_mapped else _calibrated(drive))
-        except (MappingError, CalibrationError):
-            results.append(FAILED)
-    maps, robots = results[: len(DRAWN)], results[len(DRAWN) :]
-    means, largest, missing = np.array([drawn.figures for drawn in maps]).T
-    paths, medians, most = np.array([calibrated.figures for calibrated in robots]).T
+            drawn.append(
+                draw_map(lap(drive.name, drive.seed + other_numbers) if other_numbers else drive)
+            )
+        except MappingError:
+            drawn.append(FAILED)
+    means, largest, missing = np.array([each.figures for each in drawn]).T
     return {
-        "map's edges off [mm]": _over(np.mean, means),
-        "at most [mm]": _over(np.max, largest),
-        "not drawn [%]": _over(np.mean, missing),
-        "calibrated path off [mm]": _over(np.mean, paths),
-        "unknowns off, median [sd]": _over(np.mean, medians),
-        "at most [sd]": _over(np.max, most),
-        "refused": results.count(FAILED),
-        "each": [result.number for result in results],
+        "map's edges off [mm]": over(np.mean, means),
+        "at most [mm]": over(np.max, largest),
+        "not drawn [%]": over(np.mean, missing),
+        "refused": drawn.count(FAILED),
+        "each": [each.number for each in drawn],
     }
 
 
@@ -158,7 +161,7 @@ class AdjustedDrive:
 FAILED = AdjustedDrive((np.nan, np.nan, np.nan))
 
 
-def _drawn(drive: LoggedDrive) -> AdjustedDrive:
+def draw_map(drive: LoggedDrive) -> AdjustedDrive:
     """Draw a map; its edges' mean and largest error [mm], and the share that is missing [%]."""
     start = Pose2.from_array(drive.path[0])
     drawn = Mapper(drive.log, RobotSpec.load(), drive.field.tape[0].width, start).run()
@@ -174,18 +177,7 @@ def _drawn(drive: LoggedDrive) -> AdjustedDrive:
     return AdjustedDrive(figures, zlib.crc32(text.encode()))
 
 
-def _calibrated(drive: LoggedDrive) -> AdjustedDrive:
-    """Calibrate; the path's error [mm], and the unknowns' median and largest error by their sd."""
-    start = Pose2.from_array(drive.path[0]) @ PLACED
-    calibrated = calibrate(drive.log, RobotSpec.load(), drive.field, start, START_COVARIANCE)
-    away = np.hypot(*(calibrated.solution.state.poses - drive.path)[:, :2].T)
-    errors = np.abs(calibrated.values[:ROBOT] - drive.values[:ROBOT]) / calibrated.sd[:ROBOT]
-    path = 1e3 * float(np.sqrt(np.mean(away**2)))
-    figures = path, float(np.median(errors)), float(errors.max())
-    return AdjustedDrive(figures, zlib.crc32(calibrated.values.tobytes()))
-
-
-def _over(measure: Callable[[Array], Any], figures: Array) -> float:
+def over(measure: Callable[[Array], Any], figures: Array) -> float:
     """Return a measure of the figures of what was not refused; nan if all was."""
     known = figures[~np.isnan(figures)]
     return float(measure(known)) if len(known) else math.nan

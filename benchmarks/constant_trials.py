@@ -58,7 +58,7 @@ def recorded(kept: Path | None) -> list[ConstantTrial]:
         for seed in SEEDS:
             config = apply_condition(Config(robot="sim", map=MAP, seed=seed), condition)
             trials += [
-                ConstantTrial(config, condition, start, _without_pictures(make(config)))
+                ConstantTrial(config, condition, start, without_pictures(make(config)))
                 for start, make in KIDNAPPED.items()
             ]
     if kept is not None:
@@ -71,7 +71,7 @@ def few(trials: list[ConstantTrial]) -> list[ConstantTrial]:
     return [t for t in trials if t.config.seed == SEEDS[0] and t.start == "carried"]
 
 
-def _without_pictures(trial: TrialDrive) -> TrialDrive:
+def without_pictures(trial: TrialDrive) -> TrialDrive:
     """Return a drive without the pictures of its line scans, which would be gigabytes."""
     ticks = [
         tick if seen is None else replace(tick, line_scan=replace(seen, picture=NO_PICTURE))

@@ -264,7 +264,8 @@ export interface EstimateMessage {
 
 /**
  * Drive to see the tape that the map lacks. It holds as long as drive does, and continues if
- * renewed. It ends by itself, back at its start, when all of the floor between the tape was seen.
+ * renewed. It ends by itself, back at its start, when the floor between the tape and around it was
+ * looked at.
  */
 export interface ExploreCommand {
   /** Repeated in the answer. */

@@ -117,6 +117,7 @@ class FloorCamera:
     def turn(self, view: FloorView) -> None:
         """Look at the floor in another way, through the same lens; no picture may be under way."""
         self._samples = FloorSamples(view, self._floor, self._settings.exposure)
+        self._exposed: tuple[Pose2, Twist2, NDArray[np.uint8]] | None = None
 
     def picture(self, map_from_robot: Pose2, twist: Twist2) -> NDArray[np.uint8]:
         """Take a grey picture (h, w) at a pose in the map, while moving with a twist.
@@ -128,10 +129,14 @@ class FloorCamera:
     def expose(self, map_from_robot: Pose2, twist: Twist2) -> NDArray[np.uint8]:
         """Return ``picture`` without the sensor's noise. Any thread may call this.
 
-        The slow part: it draws nothing by chance, so it may run ahead.
+        It draws nothing by chance, so it may run ahead. Who stands gets the same read-only array.
         """
-        picture = self._samples.average(map_from_robot, twist)
-        return self._through_the_lens(picture)
+        last = self._exposed
+        if last is None or last[:2] != (map_from_robot, twist):
+            picture = self._through_the_lens(self._samples.average(map_from_robot, twist))
+            picture.setflags(write=False)
+            self._exposed = last = map_from_robot, twist, picture
+        return last[2]
 
     def read_out(self, exposed: NDArray[np.uint8]) -> NDArray[np.uint8]:
         """Add the sensor's noise to an exposed picture (h, w)."""

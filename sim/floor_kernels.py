@@ -11,6 +11,10 @@ from robot.geometry import Array
 STRIP = 8
 """Neighbouring pixels that are looked up together."""
 
+TILE_ROWS, TILE_STRIPS = 8, 8
+"""Rows and strips of a tile, which is looked up at once; strips are where it has several tones.
+Half and twice: 0.26 and 0.23 ms a picture of *square*; with 8, 0.23 ms; without tiles 0.41."""
+
 MARGIN_PX = 2.0
 """Interpolation looks one pixel further than the sample; rounding takes the other."""
 
@@ -30,7 +34,9 @@ def fill_even_strips(
     counts: NDArray[np.intp],
     spread: Array,
     distance: Array,
+    tiles: Array,
     blurred: tuple[float, float],
+    tiles_blurred: tuple[float, float],
     resolution: float,
     even: NDArray[np.uint8],
     size: tuple[int, int],
@@ -49,7 +55,10 @@ def fill_even_strips(
         counts: the samples of each pixel (h,).
         spread: how far a strip's samples lie from its middle (h, strips) [m].
         distance: how far they lie from the robot (h, strips) [m].
+        tiles: (tile rows, tiles, 4), of each tile as of strips: its middle's floor point, how far
+            its samples lie from there, and from the robot [m].
         blurred: way [m] and turn [rad] of the robot in an exposure.
+        tiles_blurred: the same, until all rows of a tile are exposed.
         resolution: a pixel of the drawing [m].
         even: how far all is of one tone around each block of the drawing [px], and that tone.
         size: height and width of the drawing [px].
@@ -59,33 +68,72 @@ def fill_even_strips(
         The number of listed strips, and of their samples.
     """
     height, width = picture.shape
+    tones = np.empty(tiles.shape[1], dtype=np.int64)
     strips = count = 0
     for row in range(height):
         first, last = firsts[row], firsts[row] + counts[row]
         middle = affines[first + counts[row] // 2]
-        for start in range(0, width, STRIP):
-            end = min(start + STRIP, width)
-            strip = start // STRIP
-            moved = blurred[0] + blurred[1] * distance[row, strip]
-            reach = (spread[row, strip] + moved) / resolution + MARGIN_PX
-            x, y = centres[row, strip, 0], centres[row, strip, 1]
-            u = middle[0, 0] * x + middle[0, 1] * y + middle[0, 2]
-            v = middle[1, 0] * x + middle[1, 1] * y + middle[1, 2]
-            tone = _tone(u, v, reach, even, size, border)
-            if tone >= 0:
-                picture[row, start:end] = tone
+        if row % TILE_ROWS == 0:
+            _look_up_tiles(
+                tones,
+                tiles[row // TILE_ROWS],
+                middle,
+                tiles_blurred,
+                resolution,
+                even,
+                size,
+                border,
+            )
+        for tile in range(len(tones)):
+            begin = tile * TILE_STRIPS * STRIP
+            if tones[tile] >= 0:
+                picture[row, begin : begin + TILE_STRIPS * STRIP] = tones[tile]
                 continue
-            uneven[0, strips], uneven[1, strips] = row, start
-            strips += 1
-            for sample in range(first, last):
-                a, b, c = affines[sample, 0, 0], affines[sample, 0, 1], affines[sample, 0, 2]
-                d, e, f = affines[sample, 1, 0], affines[sample, 1, 1], affines[sample, 1, 2]
-                for i in range(end - start):
-                    x, y = points[sample, start + i, 0], points[sample, start + i, 1]
-                    samples[0, count + i] = a * x + b * y + c
-                    samples[1, count + i] = d * x + e * y + f
-                count += end - start
+            for strip in range(begin // STRIP, min(begin // STRIP + TILE_STRIPS, spread.shape[1])):
+                start, end = strip * STRIP, min(strip * STRIP + STRIP, width)
+                moved = blurred[0] + blurred[1] * distance[row, strip]
+                reach = (spread[row, strip] + moved) / resolution + MARGIN_PX
+                x, y = centres[row, strip, 0], centres[row, strip, 1]
+                u = middle[0, 0] * x + middle[0, 1] * y + middle[0, 2]
+                v = middle[1, 0] * x + middle[1, 1] * y + middle[1, 2]
+                tone = _tone(u, v, reach, even, size, border)
+                if tone >= 0:
+                    picture[row, start:end] = tone
+                    continue
+                uneven[0, strips], uneven[1, strips] = row, start
+                strips += 1
+                for sample in range(first, last):
+                    a, b, c = affines[sample, 0, 0], affines[sample, 0, 1], affines[sample, 0, 2]
+                    d, e, f = affines[sample, 1, 0], affines[sample, 1, 1], affines[sample, 1, 2]
+                    for i in range(end - start):
+                        x, y = points[sample, start + i, 0], points[sample, start + i, 1]
+                        samples[0, count + i] = a * x + b * y + c
+                        samples[1, count + i] = d * x + e * y + f
+                    count += end - start
     return strips, count
+
+
+@compiled(fastmath=True)
+def _look_up_tiles(
+    tones: NDArray[np.int64],
+    tiles: Array,
+    first: NDArray[np.float32],
+    blurred: tuple[float, float],
+    resolution: float,
+    even: NDArray[np.uint8],
+    size: tuple[int, int],
+    border: int,
+) -> None:
+    """Write the tone of each tile (n,) of a row of tiles (n, 4), -1 where it has several.
+
+    ``first`` is the affine of its first row of pixels.
+    """
+    for tile in range(len(tones)):
+        x, y, spread, distance = tiles[tile]
+        reach = (spread + blurred[0] + blurred[1] * distance) / resolution + MARGIN_PX
+        u = first[0, 0] * x + first[0, 1] * y + first[0, 2]
+        v = first[1, 0] * x + first[1, 1] * y + first[1, 2]
+        tones[tile] = _tone(u, v, reach, even, size, border)
 
 
 @compiled()

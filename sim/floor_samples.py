@@ -24,7 +24,14 @@ from numpy.typing import NDArray
 from robot.camera import FloorView
 from robot.fields.floor_picture import FloorPicture
 from robot.geometry import Array, Pose2, Twist2
-from sim.floor_kernels import BLOCK, STRIP, fill_even_strips, fill_uneven_strips
+from sim.floor_kernels import (
+    BLOCK,
+    STRIP,
+    TILE_ROWS,
+    TILE_STRIPS,
+    fill_even_strips,
+    fill_uneven_strips,
+)
 
 SAMPLES = (4, 8)
 """Samples over the height of a pixel; rows whose pixels cover more floor use more."""
@@ -50,7 +57,7 @@ class FloorSamples:
     def __init__(self, view: FloorView, floor: FloorPicture, exposure: float) -> None:
         """Prepare the samples of a camera with an exposure time [s]."""
         self._floor = floor
-        self._exposure = exposure
+        self._exposures = exposure, exposure + TILE_ROWS * view.lens.readout / view.lens.height
         self._size = (view.lens.height, view.lens.width)
         self._seen = _spread_samples(view, exposure)
         self._even = _even_blocks(floor)
@@ -66,13 +73,14 @@ class FloorSamples:
         """
         seen = self._seen
         affines = _sample_affines(self._pixel_from_map, map_from_robot, twist, seen.times)
-        blurred = self._exposure * abs(twist.v), self._exposure * abs(twist.omega)
+        v, omega = abs(twist.v), abs(twist.omega)
+        blurred, tiles_blurred = ((time * v, time * omega) for time in self._exposures)
         picture = np.empty(self._size, dtype=np.uint8)
         uneven, samples = lists = self._lists()
         strips, count = fill_even_strips(
             picture, uneven, samples, seen.points, seen.centres, affines, seen.firsts,
-            seen.counts, seen.spread, seen.distance, blurred, self._floor.resolution,
-            self._even, self._floor.image.shape, self._floor.border,
+            seen.counts, seen.spread, seen.distance, seen.tiles, blurred, tiles_blurred,
+            self._floor.resolution, self._even, self._floor.image.shape, self._floor.border,
         )  # fmt: skip
         if strips > 0:
             grey = self._look_up(samples, count)
@@ -126,6 +134,8 @@ class _Samples:
     """(h, strips) how far samples lie from there at most [m]."""
     distance: Array
     """(h, strips) how far they lie from the robot at most [m]."""
+    tiles: Array
+    """(tile rows, tiles, 4) the same of tiles: middle (2), and both distances [m]."""
 
 
 @lru_cache(maxsize=2)
@@ -136,7 +146,8 @@ def _spread_samples(view: FloorView, exposure: float) -> _Samples:
     firsts = np.cumsum(counts) - counts
     centres = _centres(points, firsts, counts)
     spread, distance = _extent(points, centres, firsts, counts)
-    return _Samples(points, times, counts, firsts, centres, spread, distance)
+    tiles = _tiles(centres, spread, distance)
+    return _Samples(points, times, counts, firsts, centres, spread, distance, tiles)
 
 
 @dataclass(frozen=True, slots=True)
@@ -254,6 +265,21 @@ def _extent(
         spread[row] = np.maximum.reduceat(from_centre, starts)
         distance[row] = np.maximum.reduceat(np.linalg.norm(samples, axis=-1).max(axis=0), starts)
     return spread, distance
+
+
+def _tiles(centres: NDArray[np.float32], spread: Array, distance: Array) -> Array:
+    """Return what is known of each tile (tile rows, tiles, 4) from that of its strips."""
+    rows, strips = (
+        range(0, n, k) for n, k in zip(spread.shape, (TILE_ROWS, TILE_STRIPS), strict=True)
+    )
+    tiles = np.empty((len(rows), len(strips), 4))
+    for i, j in np.ndindex(tiles.shape[:2]):
+        part = np.s_[rows[i] : rows[i] + TILE_ROWS, strips[j] : strips[j] + TILE_STRIPS]
+        inside = centres[part]
+        middle = inside[inside.shape[0] // 2, inside.shape[1] // 2]
+        from_middle = np.linalg.norm(inside - middle, axis=-1) + spread[part]
+        tiles[i, j] = *middle, from_middle.max(), distance[part].max()
+    return tiles
 
 
 def _even_blocks(floor: FloorPicture) -> NDArray[np.uint8]:

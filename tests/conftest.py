@@ -20,13 +20,21 @@ settings.load_profile("brickpose")
 
 LONGEST = (
     "test_failures_by_seed.py",
-    "test_signals.py",
-    "test_browser.py",
     "test_calibration.py",
-    "test_accuracy.py",
     "test_mapping.py",
-    "test_map_topic.py",
+    "test_calibration_page.py",
+    "test_axe.py",
+    "test_grading_ends.py",
+    "test_command_line.py",
+    "test_signals.py",
+    "test_evaluation.py",
+    "test_drawing_time.py",
+    "test_emulate_hat.py",
+    "test_localize.py",
     "test_map_drawer.py",
+    "test_browser.py",
+    "test_strangers.py",
+    "test_accuracy.py",
 )
 """Files that take longest: a worker that began one of them last would keep the others waiting."""
 

@@ -7,6 +7,7 @@ Gauss-Newton: the errors of edges, wheels and priors are written as normal equat
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -175,10 +176,19 @@ class Adjustment:
         seen, cost = equations.misses, equations.cost
         return Solution(state, covariance, pose_covariance, seen, cost, share, converged)
 
-    def alone(self, solution: Solution, weights: Weights, by_others: Array) -> tuple[Array, Array]:
-        """Return what further unknowns would be (``Equations.alone``), at a solution."""
+    def alone(
+        self, solution: Solution, weights: Weights, by_others: Callable[[Misses], Array]
+    ) -> tuple[Array, Array]:
+        """Return what further unknowns would be (``Equations.alone``), at a solution.
+
+        Args:
+            solution: where.
+            weights: how much to believe.
+            by_others: returns the derivatives of misses by them. An edge at the border of the gate
+                may be in these misses, and not in the solution's.
+        """
         equations = self._equations(solution.state, weights, solution.misses.pixels)
-        return equations.alone(by_others)
+        return equations.alone(by_others(equations.misses))
 
     def _equations(self, state: DriveEstimate, weights: Weights, errors: Array | None) -> Equations:
         sightings = self._sightings(state)

@@ -11,7 +11,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from robot.calibration.adjustment import Adjustment, Solution, Weights, residual_sd
+from robot.calibration.adjustment import (
+    UNSETTLED,
+    Adjustment,
+    CalibrationError,
+    Solution,
+    Weights,
+    residual_sd,
+)
 from robot.calibration.misses import Misses
 from robot.camera import Lens
 from robot.description.unknowns import TAPE
@@ -48,11 +55,18 @@ def remarks(
         weights: ... with these.
         taped: the field as drawn, of tape.
         lens: as described.
+
+    Raises:
+        CalibrationError: a piece of tape would lie beside the field: what was found fits nothing.
     """
     seen = solution.misses
     strokes = strokes_of(taped)
-    columns = [*(by_offset(seen, taped, stroke) for stroke in strokes), by_bending(seen, lens)]
-    values, sd = adjustment.alone(solution, weights, np.column_stack(columns))
+
+    def by_others(misses: Misses) -> Array:
+        offsets = (by_offset(misses, taped, stroke) for stroke in strokes)
+        return np.column_stack([*offsets, by_bending(misses, lens)])
+
+    values, sd = adjustment.alone(solution, weights, by_others)
     words = [_of_width(solution, taped), _of_strokes(values[:-1], sd[:-1], strokes, taped)]
     if abs(values[-1]) > max(LEAST_BENT, SURE * sd[-1]):
         words.append(
@@ -88,6 +102,9 @@ def _of_strokes(offsets: Array, sd: Array, strokes: list[NDArray[np.int64]], tap
         )
         for place in guilty[np.argsort(-sure[guilty])]
     ]
+    left, bottom, right, top = taped.extent
+    if np.abs(offsets[guilty]).max() > max(right - left, top - bottom):
+        raise CalibrationError(UNSETTLED)
     distance = 1e3 * np.abs(offsets[guilty]).mean()
     return (
         f"the tape around {' or '.join(places)} m lies {distance:.1f} mm beside its drawing: "

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from robot.geometry import Pose2, Twist2, wrap_angle
 
-SPEED, TURNING = 0.12, 0.9
+SPEED, TURNING = 0.20, 1.2
 """Highest speed [m/s] and turning rate [rad/s]: tape in sight moves little between two pictures."""
 SLOW_WITHIN = 0.08
 """The robot slows down this near to the end of a leg [m]."""

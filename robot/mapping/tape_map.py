@@ -162,11 +162,11 @@ class TapeMap:
         if self.bare.is_lost:
             remarks.append(
                 f"{100 * self.bare.share:.0f} % of the rays across its tape saw bare floor there"
-                f"{_near(self.bare.places)}: the path was lost; drive so that tape stays in sight"
+                f"{near(self.bare.places)}: the path was lost; drive so that tape stays in sight"
             )
         elif self.bare.contradicts:
             remarks.append(
-                f"its tape{_near(self.bare.places)} may not be there: many rays across it saw bare "
+                f"its tape{near(self.bare.places)} may not be there: many rays across it saw bare "
                 "floor; drive past it once more, or delete it"
             )
         largest = float(1.96 * self.node_sd.max())
@@ -180,7 +180,7 @@ class TapeMap:
         unseen = len(self.unseen_ends)
         if unseen:
             remarks.append(
-                f"the map is incomplete: {unseen} ends of tape{_near(self.unseen_ends)} were not "
+                f"the map is incomplete: {unseen} ends of tape{near(self.unseen_ends)} were not "
                 "seen; drive toward them, and where the tape goes on"
             )
         if steadiness(self.tidy.strokes) < LEAST_STEADINESS:
@@ -190,7 +190,7 @@ class TapeMap:
             )
         if len(self.others):
             remarks.append(
-                f"the map is incomplete: something{_near(self.others)} is not in it, a "
+                f"the map is incomplete: something{near(self.others)} is not in it, a "
                 "shadow, or tape that was seen from its end only; drive past it"
             )
         return tuple(remarks)
@@ -199,7 +199,7 @@ class TapeMap:
     def _by_hand(self) -> Iterator[str]:
         """Yield what is to be said of changes by hand."""
         if self.agreement is not None and len(self.agreement.lost):
-            yield f"tape that was seen{_near(self.agreement.lost)} is not in the map any more"
+            yield f"tape that was seen{near(self.agreement.lost)} is not in the map any more"
         changed = sum(stroke.by_hand for stroke in self.tidy.strokes)
         if changed:
             yield (
@@ -260,7 +260,7 @@ def steadiness(strokes: Sequence[Stroke]) -> float:
     return float(max(0.0, values[0]) / values[-1])
 
 
-def _near(places: Array) -> str:
+def near(places: Array) -> str:
     """Return the first of some places (n, 2) as text; empty without places."""
     some = ", ".join(f"({x:.2f}, {y:.2f}) m" for x, y in places[:MOST_PLACES])
     return f" at {some}" if some else ""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import pytest
 from node_peers import MODULES
 from playwright.sync_api import Page
@@ -10,8 +12,11 @@ SCRIPT = MODULES / "node_modules" / "axe-core" / "axe.min.js"
 needs_axe = pytest.mark.skipif(
     not SCRIPT.is_file(), reason="axe-core is not there; `make node-peers` gets it"
 )
-RUN = """async (part) => {
+LOOK_RULES = ("color-contrast", "link-in-text-block", "target-size")
+"""The rules that ask for colours and sizes: all that another look of a page changes."""
+RUN = """async ([part, rules]) => {
   const result = await axe.run(part, {
+    ...(rules && { runOnly: { type: "rule", values: rules } }),
     resultTypes: ["violations"],
     iframes: false, // viser's view is not ours
     rules: { "target-size": { enabled: true } },
@@ -23,9 +28,12 @@ RUN = """async (part) => {
 }"""
 
 
-def violations(page: Page, part: str = "html") -> list[str]:
-    """What axe finds in a part of the page, of any impact: the rule and the element."""
+def violations(page: Page, part: str = "html", rules: Sequence[str] = ()) -> list[str]:
+    """What axe finds in a part of the page, of any impact: the rule and the element.
+
+    By all rules, or by those that are named.
+    """
     if not page.evaluate("'axe' in window"):
         page.add_script_tag(path=SCRIPT)
-    found: list[str] = page.evaluate(RUN, part)
+    found: list[str] = page.evaluate(RUN, [part, list(rules) or None])
     return found

@@ -95,7 +95,7 @@ class Errors:
     """Share of the floor's edges that the map has."""
 
 
-@lru_cache(maxsize=4)
+@lru_cache(maxsize=8)
 def mapped(
     name: str,
     seed: int,

@@ -3,7 +3,8 @@
 * A module's first sentence names what the module defines.
 * Constants stand above the second definition, unless they are made of definitions above them.
 * A public number of a room whose numbers decide behaviour is explained in the text below it.
-* The text says what half and twice of it change, or ``unmeasured_constants.txt`` has a reason.
+* The text says what half and twice of it change, or ``docs/constants.md`` does for its present
+  value, or ``unmeasured_constants.txt`` has a reason.
 * A public class has a name of its own, so that a search finds one thing.
 """
 
@@ -32,8 +33,11 @@ DECIDING = (
 """Rooms whose numbers decide behaviour."""
 PROTOCOL = ("sim/hat/", "sim/hat_emulator/")
 """Rooms of emulated hardware: what its numbers are was decided elsewhere."""
+MEASURE = "python -m benchmarks.constants --table"
 UNMEASURED = Path(__file__).with_name("unmeasured_constants.txt")
 """Deciding rooms' numbers whose text has no measurement, by the reason. It only gets shorter."""
+TABLE = Path("docs/constants.md")
+"""What half and twice change, by file, constant and value."""
 MEASURED = re.compile(
     r"\b(?:half|twice)\b[^.:;]*:|\bwith \d|\bmeasured (?:in|on)\b|\bwithout (?:it|them|this)\b",
     re.IGNORECASE,
@@ -162,22 +166,36 @@ def _unexplained_numbers() -> Iterator[str]:
 
 
 def _unmeasured_numbers() -> Iterator[str]:
-    listed = _listed_constants(UNMEASURED)
-    for place, line, names, text in _deciding_numbers():
-        if text is None:
-            continue
-        known = [name for name in names if listed.pop((place, name), None) is not None]
-        unknown = [name for name in names if name not in known]
-        if MEASURED.search(text) is not None:
-            if known:
-                yield f"{place}:{line}: {', '.join(known)} is measured, and still on the list"
-        elif unknown:
-            yield (
-                f"{place}:{line}: {', '.join(unknown)} does not say what half and twice change"
-                f" (python -m benchmarks.constants), and {UNMEASURED.name} has no reason"
-            )
+    listed, table = _listed_constants(UNMEASURED), _measured_values(ROOT / TABLE)
+    for place, line, values, text in _deciding_numbers():
+        for name in values if text is not None else ():
+            at, number = f"{place}:{line}", (place, name)
+            measured = table.pop(number, None)
+            is_listed = listed.pop(number, None) is not None
+            if measured is not None and measured != values[name]:
+                yield (
+                    f"{at}: {name} is {values[name]}, and {TABLE} has measured {measured}"
+                    f" ({MEASURE})"
+                )
+            elif measured is not None or MEASURED.search(text or "") is not None:
+                if is_listed:
+                    yield f"{at}: {name} is measured, and still on the list"
+            elif not is_listed:
+                yield (
+                    f"{at}: {name} does not say what half and twice change, and neither {TABLE}"
+                    f" nor {UNMEASURED.name} has it ({MEASURE} MODULE.{name})"
+                )
     for (place, name), line in listed.items():
         yield f"{UNMEASURED.name}:{line}: {place} has no number {name} that decides"
+    for place, name in table:
+        yield f"{TABLE}: {place} has no number {name} that decides ({MEASURE})"
+
+
+def _measured_values(path: Path) -> dict[tuple[str, str], str]:
+    """Return the values that a table has, by file and constant."""
+    lines = path.read_text().splitlines() if path.exists() else []
+    rows = [line.strip("| ").split(" | ") for line in lines]
+    return {(row[0], row[1]): row[2] for row in rows if row[0].endswith(".py")}
 
 
 def _listed_constants(path: Path) -> dict[tuple[str, str], int]:
@@ -196,17 +214,29 @@ def _listed_constants(path: Path) -> dict[tuple[str, str], int]:
     return lines
 
 
-def _deciding_numbers() -> Iterator[tuple[str, int, list[str], str | None]]:
-    """Yield file, line, names and text of each statement that sets public numbers."""
+def _deciding_numbers() -> Iterator[tuple[str, int, dict[str, str], str | None]]:
+    """Yield file, line, values by name and text of each statement that sets public numbers."""
     for place, module in _modules("robot", "sim", "app"):
         if not place.startswith(DECIDING) or place.startswith(PROTOCOL):
             continue
         for node, following in pairwise([*module.body, ast.Pass()]):
             if not isinstance(node, ast.Assign) or not _is_number(node.value):
                 continue
-            public = [name for name in sorted(_bound(node)) if not name.startswith("_")]
+            public = {
+                name: value for name, value in _values(node).items() if not name.startswith("_")
+            }
             if public:
                 yield place, node.lineno, public, _text(following)
+
+
+def _values(node: ast.Assign) -> dict[str, str]:
+    """Return what each name is set to, as source text."""
+    target = node.targets[0]
+    if isinstance(target, ast.Tuple) and isinstance(node.value, ast.Tuple):
+        pairs = list(zip(target.elts, node.value.elts, strict=True))
+    else:
+        pairs = [(each, node.value) for each in node.targets]
+    return {ast.unparse(name): ast.unparse(value) for name, value in pairs}
 
 
 def _is_number(value: ast.expr) -> bool:

@@ -86,10 +86,41 @@ def test_a_number_that_decides_is_measured_or_listed_with_the_reason(complaints,
         "# Why.\n[Sizes]\nrobot/driving/gates.py: ROWS\n    HELD GONE\nrobot/driving/no.py: GATE\n"
     )
     assert [line.partition(" (")[0] for line in complaints()] == [
-        "robot/driving/gates.py:5: LEAST, MOST does not say what half and twice change",
+        "robot/driving/gates.py:5: LEAST does not say what half and twice change, and neither"
+        " docs/constants.md nor unmeasured_constants.txt has it",
+        "robot/driving/gates.py:5: MOST does not say what half and twice change, and neither"
+        " docs/constants.md nor unmeasured_constants.txt has it",
         "robot/driving/gates.py:7: HELD is measured, and still on the list",
         "unmeasured_constants.txt:4: robot/driving/gates.py has no number GONE that decides",
         "unmeasured_constants.txt:5: robot/driving/no.py has no number GATE that decides",
+    ]
+
+
+def test_a_measurement_in_the_table_counts_for_the_value_that_it_was_made_with(
+    complaints, tmp_path: Path
+):
+    room = tmp_path / "robot" / "driving"
+    room.mkdir(parents=True)
+    (tmp_path / "docs").mkdir()
+    (room / "gates.py").write_text(
+        'GATE, NEAR = 0.03, 2 * 0.1\n"""Gates."""\nFAR = math.radians(5)\n"""Far."""\n'
+    )
+    table = tmp_path / "docs" / "constants.md"
+    rows = [
+        "| file | constant | value | what it is |",
+        "| robot/driving/gates.py | GATE | 0.03 | Gates. |",
+        "| robot/driving/gates.py | NEAR | 2 * 0.1 | Gates. |",
+        "| robot/driving/gates.py | FAR | math.radians(5) | Far. |",
+    ]
+    table.write_text("\n".join(rows))
+    assert complaints() == []
+    (tmp_path / "unmeasured_constants.txt").write_text("robot/driving/gates.py: FAR\n")
+    rows.append("| robot/driving/gates.py | GONE | 1 | Gone. |")
+    table.write_text("\n".join(rows).replace("0.03", "0.04"))
+    assert [line.partition(" (")[0] for line in complaints()] == [
+        "robot/driving/gates.py:1: GATE is 0.03, and docs/constants.md has measured 0.04",
+        "robot/driving/gates.py:3: FAR is measured, and still on the list",
+        "docs/constants.md: robot/driving/gates.py has no number GONE that decides",
     ]
 
 

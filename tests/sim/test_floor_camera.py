@@ -27,6 +27,8 @@ SQUARE = load_field("square", MAPS).floor
 IDEAL = CameraSettings(exposure=0, blur=0, noise=0, vignetting=0)
 STILL = Twist2()
 LIGHT, DARK = 213, 34
+TILT = np.eye(4)
+TILT[:2, :2] = [[math.cos(0.1), -math.sin(0.1)], [math.sin(0.1), math.cos(0.1)]]
 
 
 def view_of(*, width: int = 640, readout: float = 0.0) -> FloorView:
@@ -232,6 +234,16 @@ def test_without_noise_a_picture_is_the_same_each_time(ideal: FloorCamera) -> No
     assert (first.dtype, first.shape) == (np.uint8, (480, 640))
 
 
+def test_a_robot_that_stands_is_not_drawn_again_and_one_that_moves_is(small: FloorView) -> None:
+    camera = camera_of(small, STUB, IDEAL)
+    place = Pose2(0.1, 0, 1)
+    stands = camera.expose(place, STILL)
+    assert camera.expose(place, STILL) is stands
+    assert not np.array_equal(camera.expose(Pose2(0.1, 0.02, 1), STILL), stands)
+    camera.turn(dataclasses.replace(small, robot_from_camera=SPEC.robot_from_camera @ TILT))
+    assert not np.array_equal(camera.expose(place, STILL), stands)
+
+
 def test_the_same_seed_gives_the_same_pictures_bit_for_bit(small: FloorView) -> None:
     def pictures(seed: int) -> list[bytes]:
         camera = camera_of(small, STUB, CameraSettings(), seed)
@@ -268,8 +280,10 @@ def test_floor_of_one_tone_is_not_sampled_and_gives_the_same_picture(name: str) 
     if name == "stub":
         floor = add_uneven_light(floor, 0.5, np.random.default_rng(0))
     quick, thorough = (FloorSamples(view_of(readout=0.015), floor, 0.03) for _ in range(2))
-    # Now no strip lies on one tone.
-    thorough._seen = dataclasses.replace(thorough._seen, spread=thorough._seen.spread + 1e6)
+    # Now no strip lies on one tone, and no tile.
+    seen = thorough._seen
+    tiles = seen.tiles + np.array([0, 0, 1e6, 0])
+    thorough._seen = dataclasses.replace(seen, spread=seen.spread + 1e6, tiles=tiles)
     rng = np.random.default_rng(1)
     for _ in range(10):
         pose = Pose2(*rng.uniform(-1.2, 1.2, 2), rng.uniform(-math.pi, math.pi))

@@ -21,7 +21,7 @@ from robot.localization.scan_matching import ScanMatcher
 
 _F1, _F2, _F3 = float64[::1], float64[:, ::1], float64[:, :, ::1]
 _I1, _I2 = int64[::1], int64[:, ::1]
-_STEPS = Named((_F2, _F2, _F1, _F1, _F1, _F1, _F1), StepSums)
+_STEPS = Named((_F2, _F2, _F1, _F1, _F1, _F1, _F1, _F1), StepSums)
 _TWO, _THREE, _FOUR = UniTuple(float64, 2), UniTuple(float64, 3), UniTuple(float64, 4)
 
 
@@ -161,6 +161,8 @@ FUNCTIONS: tuple[Compiled, ...] = (
             _I1,
             _F2,
             _F2,
+            float64[:, :, ::1],
+            _TWO,
             _TWO,
             float64,
             uint8[:, :, ::1],

@@ -9,14 +9,12 @@ from contextlib import ExitStack
 from app.engine.engine import Engine
 from app.engine.mailboxes.backlog import Backlog
 from app.engine.mailboxes.latest import Latest
-from app.engine.mailboxes.rhythm import Rhythm
 from app.engine.snapshot import Snapshot
 from app.features.control.messages import Hangs, SentTick, Watched
 
-UNWATCHED_S = 0.2
-"""Interval of snapshots while nobody looks [s]: for whoever comes next, and for health.
-
-Without a tick for this time the server is told where the loop hangs."""
+HANGS_S = 0.5
+"""Without a snapshot for this time the server is told where the loop hangs [s]; while nobody looks,
+one is published in 0.2 s."""
 MOST_WAITING = 500
 """Snapshots that wait to be sent to whoever needs each one: ten seconds of them."""
 
@@ -46,8 +44,9 @@ class TickSender:
         self._woken = threading.Event()
         self._done = threading.Event()
         self._each: Backlog[Snapshot] | None = None
-        self._rhythm = Rhythm()
-        engine.latest = _AnnouncedLatest(self._announce)
+        self._rate = 0.0
+        """At which the engine's audience has somebody for the server [1/s]."""
+        engine.latest = _AnnouncedLatest(self._woken)
         self._thread = threading.Thread(target=self._work, name="ticks", daemon=True)
         self._thread.start()
 
@@ -61,22 +60,12 @@ class TickSender:
         """Look at once who watches now."""
         self._woken.set()
 
-    def _announce(self, newest: Snapshot) -> None:
-        """Have the newest snapshot sent, if somebody waits for it; called by the loop."""
-        watched, stamp = self._watched(), newest.published
-        pictured = newest.reading.frame is not None
-        if watched.rate > 0 and (pictured or self._rhythm.wait(stamp) <= 0):
-            self._rhythm.choose(stamp, watched.rate)
-            self._woken.set()
-        elif watched.every:
-            self._woken.set()
-
     def _work(self) -> None:
         count, hangs = 0, False
         with ExitStack() as subscription:
             over = False
             while not over:
-                woken = self._woken.wait(UNWATCHED_S)
+                woken = self._woken.wait(HANGS_S)
                 self._woken.clear()
                 over = self._done.is_set()
                 self._subscribe(self._watched(), subscription)
@@ -88,15 +77,20 @@ class TickSender:
                     self._send(Hangs(tuple(self._engine.where_it_hangs(self._loop))))
 
     def _subscribe(self, watched: Watched, subscription: ExitStack) -> None:
-        """Have the engine know who looks: its camera rests while nobody does."""
+        """Have the engine know who looks: it makes no snapshots that nobody needs."""
         if watched.every and self._each is None:
             every = self._engine.every
             self._each = subscription.enter_context(every.subscribe(MOST_WAITING))
         elif not watched.every and self._each is not None:
             subscription.close()
             self._each = None
-        if watched.rate > 0:
-            self._engine.audience.visit()
+        if watched.rate != self._rate:
+            audience = self._engine.audience
+            if watched.rate > 0:
+                audience.join(watched.rate)
+            if self._rate > 0:
+                audience.leave(self._rate)
+            self._rate = watched.rate
 
     def _send_new(self, count: int) -> int:
         """Send what is new since snapshot number ``count``; return the number of the newest."""
@@ -113,13 +107,13 @@ class TickSender:
 
 
 class _AnnouncedLatest(Latest[Snapshot]):
-    """A mailbox that also tells a thread."""
+    """A mailbox that also wakes a thread."""
 
-    def __init__(self, announce: Callable[[Snapshot], None]) -> None:
+    def __init__(self, woken: threading.Event) -> None:
         super().__init__()
-        self._announce = announce
+        self._woken = woken
 
     def put(self, value: Snapshot) -> None:
-        """Replace the value, wake coroutines, and tell it."""
+        """Replace the value, and wake whoever waits for it."""
         super().put(value)
-        self._announce(value)
+        self._woken.set()

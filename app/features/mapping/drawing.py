@@ -29,6 +29,8 @@ class MapDrawing:
     """How often it was drawn."""
     sketch: Sketch | None = field(default=None, repr=False)
     """None before anything was drawn."""
+    cells: OccupancyGrid | None = field(default=None, repr=False)
+    """The same in cells; those that nobody saw are unknown."""
     result: TapeMap | None = field(default=None, repr=False)
     """The whole map, when it is done."""
     earlier: tuple[TapeMap, ...] = field(default=(), repr=False)

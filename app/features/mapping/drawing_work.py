@@ -16,14 +16,18 @@ from app.features.mapping.exploration import Exploration
 from app.features.mapping.mapped_drive import Drawn, MappedDrive, Whole
 from robot.calibration.adjustment import CalibrationError
 from robot.geometry import Pose2
+from robot.mapping.exploring import RING
 from robot.mapping.pushed import push_remark
-from robot.mapping.tape_map import MappingError, TapeMap
+from robot.mapping.tape_map import MappingError, TapeMap, near
 
 STEP_S = 0.5
 """The map is drawn again after this much more of the drive [s]."""
 UNSEEN_S = 4.0
 """If no tape is in sight for longer than this [s], the map depends on the wheels."""
-EXPLORED = "all of the floor between the tape was seen: finish the map"
+EXPLORED = (
+    f"the floor between the tape was seen, and around it for {RING[1]:.2g} m: finish the map, or "
+    "drive to tape that is farther off"
+)
 NOTHING_SEEN = "no tape is in sight from here: drive to where the robot sees some"
 MOST_ASKED = 10
 """Most requests that may wait for the map of the drive so far."""
@@ -95,7 +99,7 @@ class DrawingWork:
     def _explore(self, snapshot: Snapshot) -> None:
         drawing, exploration = self._shown.now, self.exploration
         if exploration is not None and drawing is not None:
-            exploration.follow(snapshot, drawing.sketch, drawing.map_from_odom)
+            exploration.follow(snapshot, drawing.sketch, drawing.map_from_odom, drawing.cells)
 
     def _answer(self, job: Future[Whole]) -> None:
         """Pass a finished map on to those who asked for it."""
@@ -114,6 +118,7 @@ class DrawingWork:
             self._shown.change(
                 drawn.grid,
                 sketch=sketch,
+                cells=drawn.grid,
                 map_from_odom=drive.map_from_odom(sketch.pose, sketch.stamp),
                 version=self._version + 1,
             )
@@ -140,7 +145,14 @@ class DrawingWork:
         drawing, exploration = self._shown.now, self.exploration
         if exploration is None or not exploration.done or drawing is None:
             return None
-        return NOTHING_SEEN if drawing.sketch is None else EXPLORED
+        if drawing.sketch is None:
+            return NOTHING_SEEN
+        if len(exploration.unseen):
+            return (
+                f"the map is not whole: floor{near(exploration.unseen)} was not seen; drive there, "
+                "or finish the map without it"
+            )
+        return EXPLORED
 
     @property
     def _paused(self) -> bool:

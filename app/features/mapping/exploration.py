@@ -6,7 +6,8 @@ from app.engine.program import Program
 from app.engine.snapshot import Snapshot
 from app.features.mapping.messages import RouteCommand
 from app.messages.driving_commands import StopCommand
-from robot.geometry import Pose2
+from robot.fields.occupancy_grid import OccupancyGrid
+from robot.geometry import Array, Pose2
 from robot.mapping.exploring import Explorer
 from robot.mapping.sketch import Sketch
 
@@ -27,8 +28,17 @@ class Exploration:
         self.done = False
         """Whether there is nothing left to see."""
 
+    @property
+    def unseen(self) -> Array:
+        """(n, 2) places in the map that were not seen, when it is done [m]."""
+        return self._explorer.unseen
+
     def follow(
-        self, snapshot: Snapshot, sketch: Sketch | None, map_from_odom: Pose2 | None
+        self,
+        snapshot: Snapshot,
+        sketch: Sketch | None,
+        map_from_odom: Pose2 | None,
+        cells: OccupancyGrid | None,
     ) -> None:
         """Give the next route, if the robot explores and has come to the end of the last one.
 
@@ -36,6 +46,7 @@ class Exploration:
             snapshot: of a tick.
             sketch: the map so far; None if nothing was seen.
             map_from_odom: where odometry began in it.
+            cells: the same map, with the floor that was seen.
         """
         if self._sent is not None and not any(item is self._sent for item in snapshot.commands):
             return
@@ -46,10 +57,11 @@ class Exploration:
         if self._stands_since is None:
             self._stands_since = snapshot.stamp
         drawn = sketch is not None and sketch.stamp >= self._stands_since
-        if not drawn and snapshot.stamp < self._stands_since + LATEST_S:
+        waited = snapshot.stamp >= self._stands_since + LATEST_S
+        if self._explorer.waits and not drawn and not waited:
             return
         known = map_from_odom or Pose2()
-        route = self._explorer.next(sketch, known @ snapshot.odom_from_robot)
+        route = self._explorer.next(sketch, known @ snapshot.odom_from_robot, cells)
         if route is None:
             self.done = True
             self._commands.put(StopCommand(type="stop"))

@@ -34,7 +34,7 @@ class ExploreCommand(CommandMessage):
     """Drive to see the tape that the map lacks.
 
     It holds as long as drive does, and continues if renewed. It ends by itself, back at
-    its start, when all of the floor between the tape was seen.
+    its start, when the floor between the tape and around it was looked at.
     """
 
     type: Literal["explore"]

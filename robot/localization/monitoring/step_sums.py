@@ -40,9 +40,9 @@ class StepSums(NamedTuple):
     pull: Array
     """(7,) information times errors."""
     left: Array
-    """(3,) unexplained rest of the last seconds' steps [m, m, rad], each by what it tells."""
-    told: Array
-    """(3,) what these steps tell: one that is as sure as steps are counts as one."""
+    """(3,) unexplained rest of the last seconds' steps [m, m, rad], as far as poses were known."""
+    evidence: Array
+    """(3,) how many such steps there were; one counts as far as its poses were known."""
     squares: Array
     """(3,) squares of that rest without its mean, in its spreads."""
     wiggle: Array
@@ -101,9 +101,9 @@ def add_step(
     # Where the pose was hardly known, and is found, a step is long without any slip.
     tells = share * spread**2 / variance
     sums.left[:] = recent * sums.left + tells * left
-    sums.told[:] = recent * sums.told + tells
+    sums.evidence[:] = recent * sums.evidence + tells
     # A steady difference is no slip, even if it is not learnt yet.
-    unsteady = (left - sums.left / (sums.told + 1)) ** 2 / variance
+    unsteady = (left - sums.left / (sums.evidence + 1)) ** 2 / variance
     if not settled:
         unsteady[:2] = np.minimum(unsteady[:2], 1.0)
     # While wheels slip, steps say less about the steady errors.

@@ -153,11 +153,12 @@ def test_a_drive_that_does_not_tell_where_it_began_says_so() -> None:
     assert any("the drive fits as well if it began at" in remark for remark in found.remarks)
 
 
-def test_a_drive_on_another_field_is_refused() -> None:
+@pytest.mark.parametrize("pictures", [60, 100])
+def test_a_drive_on_another_field_is_refused(pictures: int) -> None:
     log, _, _ = driven(HAND_BUILT, SEED, 40.0)
     other = load_field("generated-6301", MAPS)
     with pytest.raises(CalibrationError, match="this is another field"):
-        calibrate(log.until(100), SPEC, other, Pose2(), START_COVARIANCE)
+        calibrate(log.until(pictures), SPEC, other, Pose2(), START_COVARIANCE)
 
 
 def test_tape_tells_how_the_camera_looks_down() -> None:

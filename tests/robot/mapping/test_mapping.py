@@ -181,16 +181,16 @@ PENTAGON = 620 * np.column_stack([f(0.3 + np.arange(5) * math.tau / 5) for f in 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("corners", "seed"),
-    [(HEXAGON, 9003), (CHAMFERED, 9002), (PENTAGON, 9012)],
+    ("corners", "seed", "seconds"),
+    [(HEXAGON, 9003, 17.0), (CHAMFERED, 9002, 17.0), (PENTAGON, 9012, 33.0)],
     ids=["hexagon", "chamfered", "pentagon"],
 )
 def test_obtuse_corners_leave_the_scale_of_a_robot_that_nobody_calibrated(
-    corners: Array, seed: int, tmp_path: Path
+    corners: Array, seed: int, seconds: float, tmp_path: Path
 ) -> None:
     """They were traced round, and the map came up to 20 % too small."""
     outline = polygon(tmp_path, corners)
-    drawn, poses = mapped(outline, seed, "hand-built", 33.0, calibrate=True)
+    drawn, poses = mapped(outline, seed, "hand-built", seconds, calibrate=True)
     ways = [
         np.linalg.norm(np.diff(path[:, :2], axis=0), axis=1).sum()
         for path in (drawn.solution.state.poses, poses)
