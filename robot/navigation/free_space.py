@@ -90,6 +90,11 @@ class FreeSpace:
             beyond=0.0 if edge else math.inf,
         )
 
+    @cached_property
+    def frame(self) -> Array:
+        """(4,) x and y of the lower left corner, a cell's side, and what counts beyond [m]."""
+        return np.array([*self.origin, self.side, self.beyond])
+
     def clearance(self, points: Array) -> Array:
         """Return the distance of points (n, 2) [m] to walls (n,) [m]."""
         rows, columns = self.distance.shape

@@ -7,70 +7,50 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from robot.geometry import Array, Pose2, heading_vectors
+from robot.geometry import Array, Pose2
 from robot.navigation.free_space import FreeSpace
 from robot.navigation.legs import WayLeg, straight, turn
+from robot.navigation.place_kernels import ranges_from, reaches
+from robot.navigation.possible_places import Glimpse, places_seen
 from robot.scan import Scan
 
-DRAWN, KEPT, WEIGHED = 24_000, 3000, 600
-"""Places that are drawn all over the field, that are followed, and by which moves are compared."""
-SDS = (0.08, 0.05, 0.03, 0.02)
-"""What is seen is compared with the field ever more strictly [m]."""
-OUTLIER = 4.0
-"""A point counts against a place by at most this, as a logarithm."""
-ON_TAPE = 1.5
-"""A point that was seen free counts so much against a place where it lies on tape."""
-FIRST_VIEWS = 3
-"""The newest views by which places are chosen that were drawn all over the field."""
-WITHIN_M = 0.05
-"""The robot's middle is at least so far from tape that it does not stand on [m]."""
-STANDS_ON_TAPE = 60.0
-"""Counts against a place where the robot would stand on tape: it was not put there."""
-CHUNK = 250_000
-"""So many points are looked up at once: the thread that drives waits no longer for one look-up."""
-INDEPENDENT = 12.0
-"""So many points of a view count as one: their errors are alike."""
-SAME_VIEW_M, SAME_VIEW_RAD = 0.01, 0.05
-"""Views that are nearer to each other say the same."""
-RAYS, STEP_M, SHORT_M = 23, 0.03, 0.03
-"""Rays of a view that count, points along them, and how far before its end a ray is free."""
-MARGIN_M = 0.002
+MARGIN_M = 0.003
 """Room that the outline keeps to tape at each place where the robot may be [m]."""
-MOST_RISK = 0.004
-"""Share of the places at which a move may come nearer to tape: one or two of ``WEIGHED``."""
-DARED, RISK_COSTS = 0.04, 8.0
-"""Where there is none, the robot dares a move with at most this risk; and what risk costs in gain.
-Else a robot that sees no tape, beside tape, would stand for ever."""
-INSIDE = 0.8
-"""Share of the places that are drawn where robots usually drive; the others, all over the floor."""
-TOLD_M = 0.03
-"""Ranges that differ by so much tell two places apart [m]."""
+RISKS = (0.001, 0.01, 0.03, 0.08, 0.2)
+"""Share of the places at which a move may come nearer to tape. The first is that of one place, as
+none is clear of chance; the next ones are dared where no move was found before, one after the
+other: else a robot that sees no tape, beside tape, would stand for ever."""
+RISK_COSTS = (20.0, 8.0, 4.0, 2.0, 1.0)
+"""What risk costs in gain, with each of them."""
+TOLD_M = 0.08
+"""Ranges that differ by so much, on all rays, tell two places apart [m]. With 0.03, what places of
+one heap differ by counted as gain, and the robot turned to and fro by small angles in a corner."""
+SAME_M, SAME_RAD = 0.08, 0.25
+"""Places that are nearer to each other need not be told apart."""
 LEAST_GAIN = 0.02
 """A move is worth it that tells apart more than this share of pairs of places."""
-TURNS = (0.25, 0.5, 1.0, 1.6, 2.4, -0.25, -0.5, -1.0, -1.6, -2.4)
-"""Turns that are compared [rad]."""
-DISTANCES = (0.03, 0.06, 0.1, 0.2, 0.3, -0.03, -0.06, -0.1)
-"""Straight ways that are compared [m]."""
 EFFORT = 0.02
 """Gain that a second of driving has to bring."""
+COMPARED = 200
+"""So many places are compared in pairs."""
+TURNS = (0.1, 0.2, 0.35, 0.5, 0.75, 1.0, 1.3, 1.6, 2.0, 2.4)
+"""Turns that are compared, to either side [rad]."""
+AHEAD, BACK = (0.02, 0.04, 0.07, 0.1, 0.15, 0.2, 0.3, 0.4), (0.02, 0.04, 0.07, 0.1, 0.15)
+"""Straight ways that are compared [m]."""
+FIRST = (0.05, 0.1, 0.2, 0.3, -0.05, -0.1)
+FIRST_TURNS = (0.5, 1.0, 1.6, 2.4, -0.5, -1.0, -1.6, -2.4)
+"""Straight ways after which turns are compared [m], and turns after which ways ahead are [rad]."""
+TURN_STEP, STEP = 0.05, 0.01
+"""The outline is compared with walls so often on a move [rad, m]."""
 SEES_RAD, SEES_RAYS = 0.5, 13
 SEES_M = (0.16, 0.7)
 """What a robot is expected to see ahead of it: the middle of its camera's view [m]."""
-
-
-@dataclass(frozen=True, eq=False)
-class Glimpse:
-    """A scan, and where the robot was by its odometry."""
-
-    odom_from_robot: Pose2
-    scan: Scan
-
-    def is_elsewhere(self, other: Glimpse) -> bool:
-        """Whether the robot stood elsewhere for another view: else both say the same."""
-        apart = self.odom_from_robot.distance_to(other.odom_from_robot)
-        turned = abs(self.odom_from_robot.turn_to(other.odom_from_robot))
-        return apart > SAME_VIEW_M or turned > SAME_VIEW_RAD
+FLOOR_M, FLOOR_CELL_M = 0.9, 0.01
+"""Floor that was seen is remembered so far around the robot, in cells of this side [m]."""
+SEEN_SHORT_M = 0.02
+"""A ray has seen floor up to so far before its end [m]."""
 
 
 @dataclass(frozen=True)
@@ -83,6 +63,55 @@ class Move:
     """In words for people."""
 
 
+@dataclass(frozen=True, eq=False)
+class Sweep:
+    """A motion of one kind, as far as it may be driven: its steps, and what each place allows."""
+
+    before: Pose2
+    """What is driven before it: straight ahead by ``x``, or turned by ``theta``."""
+    turns: bool
+    """Whether it is a turn on the spot, and else straight."""
+    step: float
+    """Of each step, with its sign [rad or m]."""
+    reach: NDArray[np.int64]
+    """(n,) steps at each place until the outline comes to a wall; -1 where it does before it."""
+
+    @property
+    def amounts(self) -> tuple[float, ...]:
+        """Those that are compared, from the least on [rad or m]."""
+        if self.turns:
+            return TURNS[3::2] if self.before.x else TURNS
+        if self.before.theta:
+            return AHEAD[3::2]
+        return AHEAD if self.step > 0 else BACK
+
+    def risk(self, amount: float) -> float:
+        """Return the share of places at which the outline comes to a wall on the way."""
+        return float((self.reach < math.ceil(amount / abs(self.step) - 1e-6)).mean())
+
+    def moved(self, amount: float) -> Pose2:
+        """Return the motion in the robot's frame."""
+        signed = math.copysign(amount, self.step)
+        return self.before @ (Pose2(0.0, 0.0, signed) if self.turns else Pose2(signed))
+
+    def effort(self, amount: float) -> float:
+        """Return about how long it takes [s]."""
+        turned = abs(self.before.theta) + (amount if self.turns else 0.0)
+        return turned / 1.5 + (abs(self.before.x) + (0.0 if self.turns else amount)) / 0.15
+
+    def legs(self, pose: Pose2, amount: float) -> tuple[WayLeg, ...]:
+        """Return the same from a pose on."""
+        signed, first = math.copysign(amount, self.step), self.before
+        legs: tuple[WayLeg, ...] = ()
+        if first.x:
+            legs = (straight(pose, first.x),)
+        elif first.theta:
+            legs = (turn(pose, pose.theta + first.theta),)
+        here = legs[-1].end if legs else pose
+        last = turn(here, here.theta + signed) if self.turns else straight(here, signed)
+        return (*legs, last)
+
+
 def look(
     views: Sequence[Glimpse],
     odom: Pose2,
@@ -90,13 +119,14 @@ def look(
     free: FreeSpace,
     believed: Sequence[Pose2] = (),
     *,
-    dares: bool = False,
+    dares: int = 0,
 ) -> Move:
     """Return the move that tells most of the places apart at which the robot may be.
 
     The places are drawn at random, and weighed by what was seen. A move is compared by the share of
     pairs of places that would see something else after it, which is what is expected to be gained.
-    At none of the places may the outline come to tape on the way.
+    At none of the places may the outline come to tape on the way, unless it stays on floor that was
+    seen to be free: that holds wherever the robot is.
 
     Args:
         views: what was seen since the place is in doubt; one or more.
@@ -104,70 +134,98 @@ def look(
         marks: distances to all that the robot can see.
         free: distances to what it must not touch, and its outline.
         believed: poses in the map that a filter holds for possible now.
-        dares: whether a small risk is run, since without it no move was found before.
+        dares: how often no move was found before: then it runs a risk.
     """
-    most_risk = DARED if dares else MOST_RISK
-    places, rim = places_seen(views, odom, marks, free, believed), free.hollow
-    best, most = None, 0.0
-    safe = 0
-    for legs in _moves(odom):
-        touches = risk(places, odom, legs, rim)
-        if touches > most_risk:
-            continue
-        safe += 1
-        end = odom.inverse() @ legs[-1].end
-        ends = _moved(places, end)
-        gain = told_apart(seen_from(ends, marks)) - EFFORT * _effort(legs) - RISK_COSTS * touches
-        if gain > most:
-            best, most = legs, gain
-    if best is None or most < LEAST_GAIN:
-        if safe:
-            return Move((), reason="no move would tell it more")
-        return Move((), reason="no move is clear of walls at each place where it may be")
-    share = f"{100 * most:.0f}"
-    return Move(best, reason=f"a move tells {share} % of the places apart")
+    places = places_seen(views, odom, marks, free, believed)
+    floor = SeenFloor.of(views, odom)
+    sweeps = sweeps_of(places, floor, free)
+    some = _compared(places, believed)
+    best: tuple[Sweep, float] | None = None
+    most, clear = LEAST_GAIN, False
+    for level in range(min(dares, len(RISKS) - 1) + 1):
+        for sweep in sweeps:
+            for amount in sweep.amounts:
+                risk = sweep.risk(amount)
+                if risk > RISKS[level]:
+                    break
+                clear = True
+                moved = sweep.moved(amount)
+                if any(view.is_at(odom @ moved) for view in views):
+                    continue
+                gain = told_apart(some, seen_from(_moved(some, moved), marks))
+                gain -= RISK_COSTS[level] * risk + EFFORT * sweep.effort(amount)
+                if gain > most:
+                    best, most = (sweep, amount), gain
+        if best is not None:
+            sweep, amount = best
+            share = f"{100 * most:.0f}"
+            legs = sweep.legs(odom, amount)
+            return Move(legs, reason=f"a move tells {share} % of the places apart")
+    if clear:
+        return Move((), reason="no move would tell it more")
+    return Move((), reason="no move is clear of walls at each place where it may be")
 
 
-def _moves(odom: Pose2) -> list[tuple[WayLeg, ...]]:
-    turns = [(turn(odom, odom.theta + angle),) for angle in TURNS]
-    return [*turns, *((straight(odom, distance),) for distance in DISTANCES)]
+def _compared(places: Array, believed: Sequence[Pose2]) -> Array:
+    """Return places (n, 3) by which moves are compared, in a random order.
 
-
-def _effort(legs: tuple[WayLeg, ...]) -> float:
-    """Return about how long legs take [s]."""
-    turned = sum(abs(float(leg.poses[-1, 2] - leg.poses[0, 2])) for leg in legs)
-    return turned / 1.5 + sum(leg.length for leg in legs) / 0.15
-
-
-def risk(places: Array, odom: Pose2, legs: tuple[WayLeg, ...], free: FreeSpace) -> float:
-    """Return the share of places (n, 3) at which the outline comes to a wall on the way.
-
-    Args:
-        places: where the robot may be.
-        odom: its odometry now.
-        legs: the way, in the odometry's frame.
-        free: distances to walls, and the outline.
+    Those that a filter cannot tell apart are among them: it has to know the place in the end.
     """
-    touched = np.zeros(len(places), np.bool_)
-    first = _room(places, odom, odom, free)
-    for leg in legs:
-        turned = abs(float(leg.poses[-1, 2] - leg.poses[0, 2]))
-        count = max(2, math.ceil(turned / 0.12), math.ceil(leg.length / 0.02))
-        steps = np.linspace(0, len(leg.poses) - 1, count + 1)[1:]
-        for step in steps:
-            low = math.floor(step)
-            share = step - low
-            pose = leg.poses[low]
-            if share:
-                pose = pose + share * (leg.poses[low + 1] - pose)
-            room = _room(places, odom, Pose2.from_array(pose), free)
-            # Where it stands already it may be nearer; it must not come nearer still.
-            touched |= room < np.minimum(MARGIN_M, first)
-    return float(touched.mean())
+    some = places[:COMPARED].copy()
+    if len(believed) > 1:
+        filters = np.array([pose.to_array() for pose in believed])
+        some[: COMPARED // 3] = np.resize(filters, (min(COMPARED // 3, len(some)), 3))
+    return np.random.default_rng(0).permutation(some)
 
 
-def _room(places: Array, odom: Pose2, pose: Pose2, free: FreeSpace) -> Array:
-    return free.room(_moved(places, odom.inverse() @ pose))
+def sweeps_of(places: Array, floor: SeenFloor, free: FreeSpace) -> list[Sweep]:
+    """Return the motions that are compared, and how far each place (n, 3) allows them."""
+    rim = free.hollow.body
+
+    def reach(steps: Array) -> NDArray[np.int64]:
+        known = floor.has(steps, rim)
+        return reaches(places, steps, rim, known, free.distance, free.frame, MARGIN_M)
+
+    def after(before: Pose2, blocked: NDArray[np.bool_], steps: Array) -> NDArray[np.int64]:
+        # What room it keeps is that of its place now: the first step.
+        cos, sin = math.cos(before.theta), math.sin(before.theta)
+        x, y, theta = steps.T
+        there = (before.x + cos * x - sin * y, before.y + sin * x + cos * y, before.theta + theta)
+        reached = reach(np.concatenate([np.zeros((1, 3)), np.column_stack(there)])) - 1
+        reached[blocked] = -1
+        return reached
+
+    ahead, back = _line(STEP, AHEAD[-1]), _line(-STEP, BACK[-1])
+    left, right = _turning(TURN_STEP), _turning(-TURN_STEP)
+    here = Pose2()
+    sweeps = [
+        Sweep(here, False, STEP, reach(ahead)),
+        Sweep(here, False, -STEP, reach(back)),
+        Sweep(here, True, TURN_STEP, reach(left)),
+        Sweep(here, True, -TURN_STEP, reach(right)),
+    ]
+    for first in FIRST:
+        blocked = sweeps[0 if first > 0 else 1].reach < round(abs(first) / STEP)
+        before = Pose2(first)
+        sweeps.append(Sweep(before, True, TURN_STEP, after(before, blocked, left)))
+        sweeps.append(Sweep(before, True, -TURN_STEP, after(before, blocked, right)))
+    for angle in FIRST_TURNS:
+        blocked = sweeps[2 if angle > 0 else 3].reach < round(abs(angle) / TURN_STEP)
+        before = Pose2(0.0, 0.0, angle)
+        sweeps.append(Sweep(before, False, STEP, after(before, blocked, ahead)))
+    return sweeps
+
+
+def _line(step: float, length: float) -> Array:
+    steps = np.zeros((round(length / abs(step)) + 1, 3))
+    steps[:, 0] = step * np.arange(len(steps))
+    return steps
+
+
+def _turning(step: float) -> Array:
+    steps = np.zeros((round(TURNS[-1] / abs(step)) + 1, 3))
+    steps[:, 2] = step * np.arange(len(steps))
+    return steps
 
 
 def _moved(places: Array, moved: Pose2) -> Array:
@@ -178,111 +236,68 @@ def _moved(places: Array, moved: Pose2) -> Array:
     return np.column_stack([x, y, places[:, 2] + moved.theta])
 
 
-def places_seen(
-    views: Sequence[Glimpse],
-    odom: Pose2,
-    marks: FreeSpace,
-    free: FreeSpace,
-    believed: Sequence[Pose2] = (),
-) -> Array:
-    """Return places (n, 3) in the map where the robot may be now, all as likely.
+@dataclass(frozen=True, eq=False)
+class SeenFloor:
+    """Floor around the robot that its camera has seen to be free of tape: wherever it is."""
 
-    They are drawn all over the field, and chosen by what was seen, ever more strictly.
-    """
-    # The same for the same views: drives repeat exactly.
-    rng = np.random.default_rng(len(views))
-    places = rng.uniform(size=(DRAWN, 3))
-    inside = round(INSIDE * DRAWN)
-    places[:inside] = _within(places[:inside], free.drive_area)
-    places[inside:] = _within(places[inside:], free.extent)
-    seen = [(odom.inverse() @ view.odom_from_robot, *_seen(view.scan)) for view in views]
-    # The middle of the robot lies inside its outline: it is no wall.
-    places = places[free.clearance(places[:, :2]) > WITHIN_M]
-    if believed:
-        near = np.repeat([pose.to_array() for pose in believed], 20, axis=0)
-        places = np.concatenate([places, near + rng.normal(0, (0.01, 0.01, 0.03), near.shape)])
-    for number, sd in enumerate(SDS):
-        scores = np.zeros(len(places))
-        for moved, hits, clear in seen[-FIRST_VIEWS:] if number == 0 else seen:
-            some = 3 if number == 0 else 1
-            scores += _score(_moved(places, moved), hits[::some], clear[::some], marks, sd) * some
-        scores[free.room(places) <= 0] -= STANDS_ON_TAPE if number else 0.0
-        weights = np.exp((scores - scores.max()) / INDEPENDENT)
-        last = number == len(SDS) - 1
-        count = WEIGHED if last else KEPT
-        shares = (np.arange(count) + rng.uniform()) / count
-        chosen = np.searchsorted(np.cumsum(weights) / weights.sum(), shares)
-        places = places[np.minimum(chosen, len(places) - 1)]
-        if not last:
-            blur = sd / 3
-            places = places + rng.normal(0, (blur, blur, 4 * blur), places.shape)
-    return places
+    free: NDArray[np.bool_]
+    """(n, n) cells around the robot, x by row, in its frame now."""
+
+    @classmethod
+    def of(cls, views: Sequence[Glimpse], odom: Pose2) -> SeenFloor:
+        """Return the floor that views have seen, for a robot with an odometry."""
+        count = round(2 * FLOOR_M / FLOOR_CELL_M)
+        middles = (np.arange(count) + 0.5) * FLOOR_CELL_M - FLOOR_M
+        x, y = np.meshgrid(middles, middles, indexing="ij")
+        points = np.column_stack([x.ravel(), y.ravel()])
+        free = np.zeros(len(points), np.bool_)
+        for view in views:
+            free |= _is_seen(view.scan, (odom.inverse() @ view.odom_from_robot).inverse(), points)
+        return cls(free.reshape(count, count))
+
+    def has(self, steps: Array, rim: Array) -> NDArray[np.bool_]:
+        """Return which points of an outline (k, 2) lie on it at poses (s, 3): (s, k)."""
+        cos, sin = np.cos(steps[:, 2])[:, None], np.sin(steps[:, 2])[:, None]
+        x = steps[:, :1] + cos * rim[:, 0] - sin * rim[:, 1]
+        y = steps[:, 1:2] + sin * rim[:, 0] + cos * rim[:, 1]
+        rows = np.floor((x + FLOOR_M) / FLOOR_CELL_M).astype(np.intp)
+        columns = np.floor((y + FLOOR_M) / FLOOR_CELL_M).astype(np.intp)
+        last = len(self.free) - 1
+        inside = (rows >= 0) & (columns >= 0) & (rows <= last) & (columns <= last)
+        known: NDArray[np.bool_] = inside & self.free[rows.clip(0, last), columns.clip(0, last)]
+        return known
 
 
-def _within(shares: Array, box: tuple[float, float, float, float]) -> Array:
-    """Return places (n, 3) by their shares (n, 3) of a box and of all headings."""
-    low, high = np.array([*box[:2], 0.0]), np.array([*box[2:], 2 * math.pi])
-    places: Array = low + shares * (high - low)
-    return places
-
-
-def _seen(scan: Scan) -> tuple[Array, Array]:
-    """Return the points of a scan that are tape, and those that are free (n, 2) [m]."""
-    rays = np.unique(np.linspace(0, len(scan.ranges) - 1, RAYS).round().astype(np.intp))
-    some = scan.only(rays)
-    sight = some.sight if some.sight is not None else np.tile([0.0, 0.5], (len(rays), 1))
-    clear = []
-    for direction, distance, (near, far) in zip(
-        heading_vectors(some.bearings), some.ranges, sight, strict=True
-    ):
-        if math.isnan(near):
-            continue
-        along = np.arange(near + SHORT_M, min(distance - SHORT_M, far), STEP_M)
-        clear.append(along[:, None] * direction)
-    empty = np.zeros((0, 2))
-    return some.points(), some.robot_from_scan.apply(np.concatenate([empty, *clear]))
-
-
-def _score(places: Array, hits: Array, clear: Array, marks: FreeSpace, sd: float) -> Array:
-    """Return the logarithm of how well places (n, 3) agree with what was seen (n,)."""
-    misses = np.minimum((_distances(places, hits, marks) / sd) ** 2 / 2, OUTLIER)
-    covered = _distances(places, clear, marks) <= 0
-    score: Array = -misses.sum(axis=1) - ON_TAPE * covered.sum(axis=1)
-    return score
-
-
-def _distances(places: Array, points: Array, marks: FreeSpace) -> Array:
-    """Return the distances to marks (n, k) of points (k, 2) seen from places (n, 3)."""
-    cos, sin = np.cos(places[:, 2])[:, None], np.sin(places[:, 2])[:, None]
-    x, y = points[:, 0], points[:, 1]
-    distances = np.empty((len(places), len(points)))
-    step = max(1, CHUNK // max(1, len(points)))
-    for low in range(0, len(places), step):
-        part = slice(low, low + step)
-        points_seen = np.stack(
-            [
-                places[part, :1] + cos[part] * x - sin[part] * y,
-                places[part, 1:2] + sin[part] * x + cos[part] * y,
-            ],
-            axis=-1,
-        )
-        distances[part] = marks.clearance(points_seen.reshape(-1, 2)).reshape(points_seen.shape[:2])
-    return distances
+def _is_seen(scan: Scan, scan_from_here: Pose2, points: Array) -> NDArray[np.bool_]:
+    """Return which points (n, 2) a scan has seen free: rays on both sides go beyond them."""
+    there = (scan.robot_from_scan.inverse() @ scan_from_here).apply(points)
+    bearing, away = np.arctan2(there[:, 1], there[:, 0]), np.hypot(there[:, 0], there[:, 1])
+    after = np.searchsorted(scan.bearings, bearing)
+    inside = (after > 0) & (after < len(scan.bearings))
+    after = after.clip(1, max(1, len(scan.bearings) - 1))
+    if len(scan.bearings) < 2 or scan.sight is None:
+        return np.zeros(len(points), np.bool_)
+    seen = inside
+    for ray in (after - 1, after):
+        near, far = scan.sight[ray, 0], scan.sight[ray, 1]
+        # A ray without sight is nan, and so False.
+        seen = seen & (away >= near) & (away <= np.minimum(far, scan.ranges[ray] - SEEN_SHORT_M))
+        if scan.hidden is not None:
+            seen = seen & ~((away >= scan.hidden[ray, 0]) & (away <= scan.hidden[ray, 1]))
+    return seen
 
 
 def seen_from(places: Array, marks: FreeSpace) -> Array:
     """Return the ranges (n, k) [m] that a robot sees from places (n, 3); what is far is alike."""
     bearings = np.linspace(-SEES_RAD, SEES_RAD, SEES_RAYS)
-    along = np.arange(SEES_M[0], SEES_M[1], STEP_M / 2)
-    points = (heading_vectors(bearings)[:, None] * along[:, None]).reshape(-1, 2)
-    met = _distances(places, points, marks).reshape(len(places), len(bearings), -1) <= STEP_M / 3
-    first = met.argmax(axis=2)
-    ranges: Array = np.where(met.any(axis=2), along[first], SEES_M[1])
-    return ranges
+    return ranges_from(places, bearings, np.array(SEES_M), marks.distance, marks.frame)
 
 
-def told_apart(ranges: Array) -> float:
-    """Return the share of pairs of places whose ranges (n, k) [m] tell them apart."""
+def told_apart(places: Array, ranges: Array) -> float:
+    """Return the share of pairs of places (n, 3) which their ranges (n, k) [m] tell apart."""
     half = len(ranges) // 2
-    apart = np.abs(ranges[:half] - ranges[half : 2 * half]) / TOLD_M
-    return float((1 - np.exp(-(np.minimum(apart, 3.0).mean(axis=1) ** 2))).mean())
+    off = places[:half] - places[half : 2 * half]
+    turned = np.abs((off[:, 2] + math.pi) % (2 * math.pi) - math.pi)
+    differ = (np.hypot(off[:, 0], off[:, 1]) > SAME_M) | (turned > SAME_RAD)
+    apart = np.minimum(np.abs(ranges[:half] - ranges[half : 2 * half]) / TOLD_M, 3.0).mean(axis=1)
+    return float((differ * (1 - np.exp(-(apart**2)))).mean())

@@ -17,8 +17,9 @@ from robot.navigation.curves import ClosedCurve, Lap, lap_of
 from robot.navigation.free_space import FreeSpace
 from robot.navigation.goal import Goal
 from robot.navigation.legs import WayLeg, curve, straight, turn
-from robot.navigation.lookout import Glimpse, Move
+from robot.navigation.lookout import Move
 from robot.navigation.planning import NoWayError, Planner, comes_no_nearer, plan
+from robot.navigation.possible_places import Glimpse
 from robot.navigation.settings import NavigationSettings
 from robot.navigation.timed_way import Limits, TimedWay, timed, timed_loop
 from robot.navigation.tracker import follow
@@ -44,7 +45,7 @@ SLOWEST = 0.25
 """Share of its speed that the robot keeps while its bound is wide."""
 MOST_MOVES = 30
 """It makes so many moves to see more, and then waits."""
-MOST_VIEWS = 12
+MOST_VIEWS = 24
 """It remembers so many views of them."""
 LOOKS_S = 0.4
 """It stands so long for a view [s]."""
@@ -76,9 +77,9 @@ ON_CURVE = 0.02
 Plan = tuple[WayLeg, ...] | Lap | Move
 Job = Callable[[], Plan]
 """Plans; raises a ``NoWayError``."""
-Look = Callable[[tuple[Glimpse, ...], Pose2, tuple[Pose2, ...], bool], Move]
+Look = Callable[[tuple[Glimpse, ...], Pose2, tuple[Pose2, ...], int], Move]
 """Finds the move that tells most: from views, the odometry now, places that are believed in, and
-whether a small risk is run."""
+how often there was none before."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -182,8 +183,8 @@ class Navigator:
         """How often it has moved to see more since it last knew its place."""
         self._views: list[Glimpse] = []
         """What it has seen since then."""
-        self._in_vain = False
-        """Whether it has looked and found no move."""
+        self._in_vain = 0
+        """How often it has looked and found no move, since the last move."""
         self._told = ""
         """Why it moves so, or not."""
         self._look_at = 0.0
@@ -227,7 +228,10 @@ class Navigator:
             if seeks and space.turns(start.to_array()[None, :2]):
                 return _all_around(start)
             if reached and start.distance_to(end) <= GOAL_STAYS:
-                return corrected(space, start, end, settings)
+                legs = corrected(space, start, end, settings)
+                # Without room to correct it, an end beside the goal is no arrival: it comes anew.
+                if legs or _is_there(start, end, settings):
+                    return legs
             return planner(space, start, end)
 
         return work
@@ -277,7 +281,8 @@ class Navigator:
         if not self.status.active:
             return
         if isinstance(legs, Move):
-            self._told, self._in_vain = legs.reason, not legs.legs
+            self._told = legs.reason
+            self._in_vain = 0 if legs.legs else self._in_vain + 1
             self._look_at = (self._stamp or 0.0) + LOOKS_AGAIN_S
             if legs.legs and self._looks:
                 self._moves += 1
@@ -433,7 +438,7 @@ class Navigator:
         """Move so that the place becomes known; stand if that has not helped."""
         if not self._looks:
             self._looks, self._moves, self._views, self._told = True, 0, [], ""
-            self._in_vain = False
+            self._in_vain = 0
             self._look_at = tick.stamp + LOOKS_S
             self._trajectory = self._glance = None
         self._stands_since = None
@@ -597,6 +602,13 @@ def corrected(
     if abs(beside.x) > near:
         legs.append(straight(Pose2(start.x, start.y, goal.theta), -beside.x))
     return tuple(legs)
+
+
+def _is_there(pose: Pose2, goal: Pose2, settings: NavigationSettings) -> bool:
+    """Whether a pose is the goal's, within the tolerances."""
+    turned = abs(wrap_angle(goal.theta - pose.theta))
+    near = pose.distance_to(goal) <= settings.xy_goal_tolerance
+    return near and turned <= settings.yaw_goal_tolerance
 
 
 def _turned_to(free: FreeSpace, start: Pose2, theta: float) -> tuple[WayLeg, ...]:

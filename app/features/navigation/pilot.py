@@ -23,10 +23,11 @@ from robot.fields.field import Field
 from robot.geometry import Pose2, Twist2
 from robot.interface import Reading
 from robot.navigation.free_space import FreeSpace
-from robot.navigation.lookout import Glimpse, Move, look
+from robot.navigation.lookout import Move, look
 from robot.navigation.navigator import NavigationStatus, Navigator, Plan, Sensed
-from robot.navigation.planners import PATIENCE_S
+from robot.navigation.planners import PLANNERS
 from robot.navigation.planning import NoWayError
+from robot.navigation.possible_places import Glimpse
 from robot.navigation.settings import NavigationSettings
 from robot.navigation.timed_way import Limits
 from robot.navigation.walls import Walls
@@ -36,7 +37,7 @@ FIRST_PATIENCE_S = 0.15
 that drives repeat exactly, however fast the computer is. The first one is driven so much later, as
 it also needs the free space."""
 HANGS_S = 10.0
-"""A planner of one's own that has not ended after so long [s] is given up."""
+"""A planner that is not ours is given up if it has not ended after so long [s]."""
 LOOK_PATIENCE_S = 0.8
 """The same of a move by which the robot learns where it is."""
 MOST_PLACES = 20
@@ -63,7 +64,9 @@ class Pilot:
         self._due = 0.0
         self._stamp = stamp
         self._choices = Choices(self.settings)
-        self._patience = PATIENCE_S
+        self._kind = PLANNERS["grid"]
+        self._hangs: float | None = None
+        """What is planned is given up so long after it is due [s]; None is never."""
         self._tells = False
         """Whether recordings shall know the walls of a journey: it may be older than they."""
         self._canceled = False
@@ -144,7 +147,7 @@ class Pilot:
                 curve = curve_of(journey.curve, eight)
                 limits = limits.along_curve(journey.curve.speed or eight.speed, self._config.drive)
             kind = self._choices.planner(journey.planner)
-            self._patience = kind.patience
+            self._kind = kind
             navigator = Navigator(
                 journey.goals,
                 self.settings,
@@ -185,14 +188,16 @@ class Pilot:
         if job is not None:
             known = self._free is not None and self._free[0] == walls
             first = 0.0 if known else FIRST_PATIENCE_S
-            patience = LOOK_PATIENCE_S if navigator.looks else self._patience
+            ours = navigator.looks or self._kind.ends
+            self._hangs = None if ours else HANGS_S
+            patience = LOOK_PATIENCE_S if navigator.looks else self._kind.patience
             self._due = tick.stamp + patience + first
             self._future = self._worker.submit(job)
 
     def _result(self, future: Future[Plan]) -> Plan | BrickPoseError:
         """Return a way that is due, or why there is none."""
         try:
-            return future.result(HANGS_S)
+            return future.result(self._hangs)
         except TimeoutError:
             stuck, self._worker = self._worker, ThreadPoolExecutor(1, "navigation")
             where = next((running(each.ident) for each in stuck._threads), None)
@@ -207,7 +212,7 @@ class Pilot:
         views: tuple[Glimpse, ...],
         odom: Pose2,
         places: tuple[Pose2, ...],
-        dares: bool,
+        dares: int,
     ) -> Move:
         """Return the move that tells most of where the robot is; in the thread."""
         if self._marks is None:

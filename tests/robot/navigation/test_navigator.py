@@ -13,9 +13,10 @@ from robot.localization.estimate import Integrity, State
 from robot.navigation.free_space import FreeSpace
 from robot.navigation.goal import Goal
 from robot.navigation.legs import turn
-from robot.navigation.lookout import Glimpse, Move
+from robot.navigation.lookout import Move
 from robot.navigation.navigator import MOST_MOVES, Navigator, Sensed
 from robot.navigation.planning import NoWayError
+from robot.navigation.possible_places import Glimpse
 from robot.navigation.settings import NavigationSettings
 from robot.navigation.timed_way import Limits
 from robot.scan import Scan
@@ -35,7 +36,7 @@ class Ideal:
         self.navigator = Navigator(goals, SETTINGS, LIMITS, look=self.look, repeat=repeat)
         self.pose, self.twist, self.stamp = Pose2(), Twist2(), 0.0
         self.believed = SURE
-        self.looks: list[tuple[int, bool]] = []
+        self.looks: list[tuple[int, int]] = []
         self.told: tuple[float, ...] = (1.0, -2.0)
         """The turns that looking around finds, one after the other."""
         self.states: list[tuple[str, str]] = []
@@ -139,7 +140,7 @@ def test_without_a_place_it_looks_around_then_stands_and_drives_on_when_it_knows
     assert robot.pose.distance_to(place) < 1e-9
     assert robot.pose.theta == pytest.approx(place.theta - 1.0, abs=0.01)
     assert [count for count, _ in robot.looks[:5]] == [1, 2, 3, 3, 3]
-    assert [dares for _, dares in robot.looks[:5]] == [False, False, False, True, True]
+    assert [dares for _, dares in robot.looks[:5]] == [0, 0, 0, 1, 2]
     robot.believed = SURE
     robot.go(60)
     assert robot.status.state == "arrived"
@@ -189,6 +190,18 @@ def test_a_robot_that_was_pushed_plans_anew_and_arrives():
     robot.go(60)
     assert robot.status.state == "arrived"
     assert ("planning", "") in robot.states[1:]
+
+
+def test_beside_its_goal_it_has_not_arrived_though_there_is_no_room_to_correct_it(monkeypatch):
+    monkeypatch.setattr("robot.navigation.navigator.corrected", lambda *_: ())
+    robot = Ideal(Goal(0.35, 0.0, 0.0))
+    robot.go(1.0)
+    while robot.status.remaining_s > 0.01:
+        robot.tick()
+    robot.pose = Pose2(robot.pose.x, 0.006, robot.pose.theta)
+    robot.go(60)
+    assert robot.status.state == "arrived"
+    assert robot.pose.distance_to(Pose2(0.35, 0.0)) <= SETTINGS.xy_goal_tolerance
 
 
 def test_without_a_way_it_fails_and_says_why():
