@@ -31,6 +31,10 @@ SAME_M, SAME_RAD = 0.08, 0.25
 """Places that are nearer to each other need not be told apart."""
 LEAST_GAIN = 0.02
 """A move is worth it that tells apart more than this share of pairs of places."""
+SIGHT_GAIN = 0.2
+"""Gain of a move after which all rays see tape. Without it, a robot whose views leave a single
+place stands as soon as no move would tell places apart, though its filter still doubts the place:
+one that was pushed on ``tee`` stood for good."""
 EFFORT = 0.02
 """Gain that a second of driving has to bring."""
 COMPARED = 200
@@ -107,8 +111,8 @@ class Sweep:
             legs = (straight(pose, first.x),)
         elif first.theta:
             legs = (turn(pose, pose.theta + first.theta),)
-        here = legs[-1].end if legs else pose
-        last = turn(here, here.theta + signed) if self.turns else straight(here, signed)
+        begin = legs[-1].end if legs else pose
+        last = turn(begin, begin.theta + signed) if self.turns else straight(begin, signed)
         return (*legs, last)
 
 
@@ -137,11 +141,11 @@ def look(
         dares: how often no move was found before: then it runs a risk.
     """
     places = places_seen(views, odom, marks, free, believed)
-    floor = SeenFloor.of(views, odom)
+    floor = BareFloor.of(views, odom)
     sweeps = sweeps_of(places, floor, free)
     some = _compared(places, believed)
     best: tuple[Sweep, float] | None = None
-    most, clear = LEAST_GAIN, False
+    most, clear, share = LEAST_GAIN, False, ""
     for level in range(min(dares, len(RISKS) - 1) + 1):
         for sweep in sweeps:
             for amount in sweep.amounts:
@@ -152,13 +156,14 @@ def look(
                 moved = sweep.moved(amount)
                 if any(view.is_at(odom @ moved) for view in views):
                     continue
-                gain = told_apart(some, seen_from(_moved(some, moved), marks))
+                ranges = seen_from(_moved(some, moved), marks)
+                apart = told_apart(some, ranges)
+                gain = apart + SIGHT_GAIN * float((ranges < SEES_M[1]).mean())
                 gain -= RISK_COSTS[level] * risk + EFFORT * sweep.effort(amount)
                 if gain > most:
-                    best, most = (sweep, amount), gain
+                    best, most, share = (sweep, amount), gain, f"{100 * apart:.0f}"
         if best is not None:
             sweep, amount = best
-            share = f"{100 * most:.0f}"
             legs = sweep.legs(odom, amount)
             return Move(legs, reason=f"a move tells {share} % of the places apart")
     if clear:
@@ -178,7 +183,7 @@ def _compared(places: Array, believed: Sequence[Pose2]) -> Array:
     return np.random.default_rng(0).permutation(some)
 
 
-def sweeps_of(places: Array, floor: SeenFloor, free: FreeSpace) -> list[Sweep]:
+def sweeps_of(places: Array, floor: BareFloor, free: FreeSpace) -> list[Sweep]:
     """Return the motions that are compared, and how far each place (n, 3) allows them."""
     rim = free.hollow.body
 
@@ -190,19 +195,19 @@ def sweeps_of(places: Array, floor: SeenFloor, free: FreeSpace) -> list[Sweep]:
         # What room it keeps is that of its place now: the first step.
         cos, sin = math.cos(before.theta), math.sin(before.theta)
         x, y, theta = steps.T
-        there = (before.x + cos * x - sin * y, before.y + sin * x + cos * y, before.theta + theta)
-        reached = reach(np.concatenate([np.zeros((1, 3)), np.column_stack(there)])) - 1
+        poses = (before.x + cos * x - sin * y, before.y + sin * x + cos * y, before.theta + theta)
+        reached = reach(np.concatenate([np.zeros((1, 3)), np.column_stack(poses)])) - 1
         reached[blocked] = -1
         return reached
 
     ahead, back = _line(STEP, AHEAD[-1]), _line(-STEP, BACK[-1])
     left, right = _turning(TURN_STEP), _turning(-TURN_STEP)
-    here = Pose2()
+    at_once = Pose2()
     sweeps = [
-        Sweep(here, False, STEP, reach(ahead)),
-        Sweep(here, False, -STEP, reach(back)),
-        Sweep(here, True, TURN_STEP, reach(left)),
-        Sweep(here, True, -TURN_STEP, reach(right)),
+        Sweep(at_once, False, STEP, reach(ahead)),
+        Sweep(at_once, False, -STEP, reach(back)),
+        Sweep(at_once, True, TURN_STEP, reach(left)),
+        Sweep(at_once, True, -TURN_STEP, reach(right)),
     ]
     for first in FIRST:
         blocked = sweeps[0 if first > 0 else 1].reach < round(abs(first) / STEP)
@@ -237,14 +242,14 @@ def _moved(places: Array, moved: Pose2) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class SeenFloor:
+class BareFloor:
     """Floor around the robot that its camera has seen to be free of tape: wherever it is."""
 
     free: NDArray[np.bool_]
     """(n, n) cells around the robot, x by row, in its frame now."""
 
     @classmethod
-    def of(cls, views: Sequence[Glimpse], odom: Pose2) -> SeenFloor:
+    def of(cls, views: Sequence[Glimpse], odom: Pose2) -> BareFloor:
         """Return the floor that views have seen, for a robot with an odometry."""
         count = round(2 * FLOOR_M / FLOOR_CELL_M)
         middles = (np.arange(count) + 0.5) * FLOOR_CELL_M - FLOOR_M
@@ -270,8 +275,8 @@ class SeenFloor:
 
 def _is_seen(scan: Scan, scan_from_here: Pose2, points: Array) -> NDArray[np.bool_]:
     """Return which points (n, 2) a scan has seen free: rays on both sides go beyond them."""
-    there = (scan.robot_from_scan.inverse() @ scan_from_here).apply(points)
-    bearing, away = np.arctan2(there[:, 1], there[:, 0]), np.hypot(there[:, 0], there[:, 1])
+    local = (scan.robot_from_scan.inverse() @ scan_from_here).apply(points)
+    bearing, away = np.arctan2(local[:, 1], local[:, 0]), np.hypot(local[:, 0], local[:, 1])
     after = np.searchsorted(scan.bearings, bearing)
     inside = (after > 0) & (after < len(scan.bearings))
     after = after.clip(1, max(1, len(scan.bearings) - 1))
@@ -296,8 +301,8 @@ def seen_from(places: Array, marks: FreeSpace) -> Array:
 def told_apart(places: Array, ranges: Array) -> float:
     """Return the share of pairs of places (n, 3) which their ranges (n, k) [m] tell apart."""
     half = len(ranges) // 2
-    off = places[:half] - places[half : 2 * half]
-    turned = np.abs((off[:, 2] + math.pi) % (2 * math.pi) - math.pi)
-    differ = (np.hypot(off[:, 0], off[:, 1]) > SAME_M) | (turned > SAME_RAD)
+    between = places[:half] - places[half : 2 * half]
+    turned = np.abs((between[:, 2] + math.pi) % (2 * math.pi) - math.pi)
+    differ = (np.hypot(between[:, 0], between[:, 1]) > SAME_M) | (turned > SAME_RAD)
     apart = np.minimum(np.abs(ranges[:half] - ranges[half : 2 * half]) / TOLD_M, 3.0).mean(axis=1)
     return float((differ * (1 - np.exp(-(apart**2)))).mean())

@@ -48,21 +48,21 @@ def scores(
         cos, sin = math.cos(places[place, 2]), math.sin(places[place, 2])
         total = 0.0
         for k in range(len(hits)):
-            off = _distance(
+            away = _distance(
                 cells,
                 frame,
                 x + cos * hits[k, 0] - sin * hits[k, 1],
                 y + sin * hits[k, 0] + cos * hits[k, 1],
             )
-            total += min(off * off * inverse, costs[1])
+            total += min(away * away * inverse, costs[1])
         for k in range(len(clear)):
-            off = _distance(
+            away = _distance(
                 cells,
                 frame,
                 x + cos * clear[k, 0] - sin * clear[k, 1],
                 y + sin * clear[k, 0] + cos * clear[k, 1],
             )
-            if off <= 0.0:
+            if away <= 0.0:
                 total += costs[2]
         result[place] = -total
     return result
