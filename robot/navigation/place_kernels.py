@@ -22,7 +22,7 @@ def _distance(cells: Cells, frame: Array, x: float, y: float) -> float:
     column = int(math.floor((x - frame[0]) / frame[2]))
     row = int(math.floor((y - frame[1]) / frame[2]))
     if row < 0 or column < 0 or row >= cells.shape[0] or column >= cells.shape[1]:
-        return frame[3]
+        return float(frame[3])
     return float(cells[row, column])
 
 
