@@ -35,7 +35,10 @@ SIGHT_GAIN = 0.2
 """Gain of a move after which all rays see tape. Without it, a robot whose views leave a single
 place stands as soon as no move would tell places apart, though its filter still doubts the place:
 one that was pushed on ``tee`` stood for good."""
-EFFORT = 0.02
+OPEN_GAIN = 0.3
+"""Gain of a move after which the robot can turn all around, where it could not before. Without it,
+a robot in a corner of ``tee`` turned to and fro by small angles."""
+EFFORT = 0.01
 """Gain that a second of driving has to bring."""
 COMPARED = 200
 """So many places are compared in pairs."""
@@ -141,9 +144,10 @@ def look(
         dares: how often no move was found before: then it runs a risk.
     """
     places = places_seen(views, odom, marks, free, believed)
-    floor = BareFloor.of(views, odom)
+    floor = ClearFloor.of(views, odom)
     sweeps = sweeps_of(places, floor, free)
     some = _compared(places, believed)
+    openness = _openness(some, free)
     best: tuple[Sweep, float] | None = None
     most, clear, share = LEAST_GAIN, False, ""
     for level in range(min(dares, len(RISKS) - 1) + 1):
@@ -156,9 +160,11 @@ def look(
                 moved = sweep.moved(amount)
                 if any(view.is_at(odom @ moved) for view in views):
                     continue
-                ranges = seen_from(_moved(some, moved), marks)
+                ends = _moved(some, moved)
+                ranges = seen_from(ends, marks)
                 apart = told_apart(some, ranges)
                 gain = apart + SIGHT_GAIN * float((ranges < SEES_M[1]).mean())
+                gain += OPEN_GAIN * (_openness(ends, free) - openness)
                 gain -= RISK_COSTS[level] * risk + EFFORT * sweep.effort(amount)
                 if gain > most:
                     best, most, share = (sweep, amount), gain, f"{100 * apart:.0f}"
@@ -183,7 +189,12 @@ def _compared(places: Array, believed: Sequence[Pose2]) -> Array:
     return np.random.default_rng(0).permutation(some)
 
 
-def sweeps_of(places: Array, floor: BareFloor, free: FreeSpace) -> list[Sweep]:
+def _openness(places: Array, free: FreeSpace) -> float:
+    """Return the share of places (n, 3) where the robot can turn all around."""
+    return float((free.clearance(places[:, :2]) > free.radius + MARGIN_M).mean())
+
+
+def sweeps_of(places: Array, floor: ClearFloor, free: FreeSpace) -> list[Sweep]:
     """Return the motions that are compared, and how far each place (n, 3) allows them."""
     rim = free.hollow.body
 
@@ -242,14 +253,14 @@ def _moved(places: Array, moved: Pose2) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class BareFloor:
+class ClearFloor:
     """Floor around the robot that its camera has seen to be free of tape: wherever it is."""
 
     free: NDArray[np.bool_]
     """(n, n) cells around the robot, x by row, in its frame now."""
 
     @classmethod
-    def of(cls, views: Sequence[Glimpse], odom: Pose2) -> BareFloor:
+    def of(cls, views: Sequence[Glimpse], odom: Pose2) -> ClearFloor:
         """Return the floor that views have seen, for a robot with an odometry."""
         count = round(2 * FLOOR_M / FLOOR_CELL_M)
         middles = (np.arange(count) + 0.5) * FLOOR_CELL_M - FLOOR_M

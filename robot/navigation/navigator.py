@@ -43,7 +43,7 @@ VAGUE_M = 0.035
 """At a goal where its bound is wider than this, the robot turns around once to see more [m]."""
 SLOWEST = 0.25
 """Share of its speed that the robot keeps while its bound is wide."""
-MOST_MOVES = 30
+MOST_MOVES = 60
 """It makes so many moves to see more, and then waits."""
 MOST_VIEWS = 24
 """It remembers so many views of them."""

@@ -15,7 +15,7 @@ from robot.navigation.lookout import (
     AHEAD,
     SEES_M,
     TURNS,
-    BareFloor,
+    ClearFloor,
     look,
     seen_from,
     sweeps_of,
@@ -112,7 +112,7 @@ def test_beside_tape_it_does_not_turn_its_tail_into_it():
     _, free = spaces("square")
     here = Pose2(0.0, -0.39, 0.0)
     places = np.tile(here.to_array(), (5, 1))
-    nothing = BareFloor.of([], Pose2())
+    nothing = ClearFloor.of([], Pose2())
     _, _, left, right, *_ = sweeps_of(places, nothing, free)
     assert left.risk(TURNS[-1]) == 1.0
     # To the right its tail turns away from the tape.
@@ -122,10 +122,10 @@ def test_beside_tape_it_does_not_turn_its_tail_into_it():
 def test_floor_that_was_seen_free_is_free_wherever_the_robot_is():
     marks, free = spaces("square")
     view = view_of(marks, Pose2(-0.3, 0.0, 0.0))
-    floor = BareFloor.of([view], Pose2())
+    floor = ClearFloor.of([view], Pose2())
     small = replace(free, body=0.2 * free.body)
     places = np.array([[0.25, 0.0, 0.0]])
-    nothing = BareFloor.of([], Pose2())
+    nothing = ClearFloor.of([], Pose2())
     assert sweeps_of(places, nothing, small)[0].risk(AHEAD[-1]) == 1.0
     # Its outline, which is small here, goes from before the camera's view onto seen floor.
     steps = np.array([[0.3, 0.0, 0.0], [0.3, 0.0, 1.0], [-0.1, 0.0, 0.0]])
@@ -139,14 +139,14 @@ def test_floor_behind_tape_or_behind_what_hides_it_was_not_seen():
     scan = Scan(0.0, BEARINGS, ranges, sight=SIGHT)
     point = np.zeros((1, 2))
     poses = np.array([[0.3, 0.0, 0.0], [0.45, 0.0, 0.0], [0.1, 0.0, 0.0]])
-    assert BareFloor.of([Glimpse(Pose2(), scan)], Pose2()).has(poses, point).ravel().tolist() == [
+    assert ClearFloor.of([Glimpse(Pose2(), scan)], Pose2()).has(poses, point).ravel().tolist() == [
         True,
         False,
         False,
     ]
     hidden = np.tile([0.2, 0.35], (61, 1))
     covered = Glimpse(Pose2(), replace(scan, hidden=hidden))
-    assert not BareFloor.of([covered], Pose2()).has(poses, point).any()
+    assert not ClearFloor.of([covered], Pose2()).has(poses, point).any()
 
 
 def test_it_does_not_look_again_where_it_has_looked():
@@ -177,6 +177,6 @@ def test_what_looks_alike_is_not_told_apart_and_what_does_not_is():
 def test_the_risk_of_a_move_is_the_share_of_places_where_it_comes_to_tape():
     _, free = spaces("square")
     places = np.array([[0.0, 0.0, 0.0], [0.38, 0.0, 0.0], [0.38, 0.0, math.pi], [0.0, 0.2, 1.0]])
-    ahead = sweeps_of(places, BareFloor.of([], Pose2()), free)[0]
+    ahead = sweeps_of(places, ClearFloor.of([], Pose2()), free)[0]
     assert ahead.risk(0.1) == pytest.approx(0.25)
     assert ahead.risk(0.02) == 0.0
