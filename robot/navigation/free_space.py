@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import cv2
@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robot.fields.field import Field
+from robot.fields.floor_picture import Extent
 from robot.geometry import Array, Pose2
 from robot.navigation.settings import NavigationSettings
 from robot.navigation.walls import Walls
@@ -40,6 +41,10 @@ class FreeSpace:
     radius: float
     """Of the circle about the robot's middle in which it can turn [m]."""
     settings: NavigationSettings
+    drive_area: Extent
+    """Where robots usually drive [m]."""
+    beyond: float = 0.0
+    """The distance that counts beyond the floor [m]: there is a wall, or inf is none."""
 
     @classmethod
     def of(
@@ -48,11 +53,13 @@ class FreeSpace:
         outline: Array,
         settings: NavigationSettings,
         said: Walls = Walls(),
+        *,
+        edge: bool = True,
     ) -> FreeSpace:
         """Return the free space of a field for a robot's outline (k, 2) [m].
 
-        Walls are the edge of the floor, tape unless it is ignored, other dark shapes, what is not
-        free on a ROS map, and the zones that are ``said``.
+        Walls are the edge of the floor unless ``edge`` is False, tape unless it is ignored, other
+        dark shapes, what is not free on a ROS map, and the zones that are ``said``.
         """
         if field.grid is None:
             grid = field.light_cells(field.extent)
@@ -66,7 +73,7 @@ class FreeSpace:
             rows, columns = (min(a, b) for a, b in zip(grown.shape, walls.shape, strict=True))
             walls[:rows, :columns] &= ~grown[:rows, :columns]
         walls |= said.cells((grid.origin.x, grid.origin.y), grid.resolution, walls.shape)
-        framed = np.pad(walls, 1, constant_values=True)
+        framed = np.pad(walls, 1, constant_values=edge)
         cells = cv2.distanceTransform(
             (~framed).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE
         )[1:-1, 1:-1]
@@ -79,15 +86,22 @@ class FreeSpace:
             body=_body(outline),
             radius=float(np.hypot(*outline.T).max()),
             settings=settings,
+            drive_area=field.drive_area,
+            beyond=0.0 if edge else math.inf,
         )
 
+    @cached_property
+    def frame(self) -> Array:
+        """(4,) x and y of the lower left corner, a cell's side, and what counts beyond [m]."""
+        return np.array([*self.origin, self.side, self.beyond])
+
     def clearance(self, points: Array) -> Array:
-        """Return the distance of points (n, 2) [m] to walls (n,) [m]; 0 beyond the floor."""
+        """Return the distance of points (n, 2) [m] to walls (n,) [m]."""
         rows, columns = self.distance.shape
         column = np.floor((points[:, 0] - self.origin[0]) / self.side).astype(np.intp)
         row = np.floor((points[:, 1] - self.origin[1]) / self.side).astype(np.intp)
         inside = (row >= 0) & (row < rows) & (column >= 0) & (column < columns)
-        distances = np.zeros(len(points))
+        distances = np.full(len(points), self.beyond)
         distances[inside] = self.distance[row[inside], column[inside]]
         return distances
 
@@ -100,6 +114,11 @@ class FreeSpace:
         )
         room: Array = self.clearance(points.reshape(-1, 2)).reshape(points.shape[:2]).min(axis=1)
         return room
+
+    @property
+    def hollow(self) -> FreeSpace:
+        """The same for the rim of the outline: enough for a robot that comes from free floor."""
+        return replace(self, body=self.body[-(len(self.body) // _rings(self.radius)) :])
 
     def fits(self, poses: Array) -> bool:
         """Whether the robot's outline keeps its clearance at poses (n, 3) [m, m, rad]."""
@@ -158,6 +177,12 @@ class FreeSpace:
         rows, columns = self.distance.shape
         return max(1, math.floor(rows * share + 1e-6)), max(1, math.floor(columns * share + 1e-6))
 
+    @property
+    def extent(self) -> Extent:
+        """The floor [m]."""
+        (x, y), (rows, columns) = self.origin, self.distance.shape
+        return x, y, x + columns * self.side, y + rows * self.side
+
     def cell(self, x: float, y: float) -> tuple[int, int]:
         """Return row and column of a place [m] in the planner's grid; it may be beyond."""
         resolution = self.settings.resolution
@@ -175,5 +200,9 @@ def _body(outline: Array) -> Array:
         around.append(start + shares * (end - start))
     rim = np.concatenate(around)
     # The outline is convex, and its middle within: rings that shrink to it fill it.
-    rings = max(1, math.ceil(float(np.hypot(*outline.T).max()) / (2 * BODY_STEP)))
+    rings = _rings(float(np.hypot(*outline.T).max()))
     return np.concatenate([rim * share for share in np.arange(1, rings + 1) / rings])
+
+
+def _rings(radius: float) -> int:
+    return max(1, math.ceil(radius / (2 * BODY_STEP)))

@@ -17,7 +17,9 @@ from robot.navigation.curves import ClosedCurve, Lap, lap_of
 from robot.navigation.free_space import FreeSpace
 from robot.navigation.goal import Goal
 from robot.navigation.legs import WayLeg, curve, straight, turn
-from robot.navigation.planning import NoWayError, Planner, plan
+from robot.navigation.lookout import Move
+from robot.navigation.planning import NoWayError, Planner, comes_no_nearer, plan
+from robot.navigation.possible_places import Glimpse
 from robot.navigation.settings import NavigationSettings
 from robot.navigation.timed_way import Limits, TimedWay, timed, timed_loop
 from robot.navigation.tracker import follow
@@ -31,24 +33,29 @@ GOAL_STAYS = 0.015
 """A place that was reached counts so until the robot is farther away from it [m]."""
 MOST_CORRECTIONS = 6
 """So often an end that is too far from its goal is driven to again; then the journey has failed."""
-CORRECTION_M = 0.08
-"""For that the robot goes back so far, and comes again [m]."""
+CORRECTIONS_M = (-0.08, 0.08, -0.04, 0.04, -0.025, 0.025)
+"""For that the robot goes back so far, or ahead, and comes again [m]: the first that has room."""
+SMALL_TURN, SWING = 0.02, 0.25
+"""For a turn smaller than the first it swings away by the second, and comes again [rad]."""
 SIDESTEPS = 25
 """Points of the way back."""
 VAGUE_M = 0.035
 """At a goal where its bound is wider than this, the robot turns around once to see more [m]."""
 SLOWEST = 0.25
 """Share of its speed that the robot keeps while its bound is wide."""
-LOOK_RATE = 0.8
-"""Turning speed of a robot that looks around [rad/s]."""
-MOST_LOOKING = 4 * math.pi
-"""It turns so far, and then waits [rad]."""
+MOST_MOVES = 60
+"""It makes so many moves to see more, and then waits."""
+MOST_VIEWS = 24
+"""It remembers so many views of them."""
+LOOKS_S = 0.4
+"""It stands so long for a view [s]."""
+LOOKS_AGAIN_S = 3.0
+"""It looks again so long after no move would have helped [s]."""
 DOUBT_S = 1.0
-"""It drives on slowly while its place is known badly for less than this [s]."""
+"""It stands still while its place is in doubt for less than this, and then looks around [s]. It
+drives on slowly while the bound is only wide."""
 LOOKS_ENOUGH_S = 0.3
 """It has looked around when its place was known for so long [s]."""
-NEAREST_SEEN = 0.02
-"""A robot that sees a wall nearer to the circle of its turn than this does not look around [m]."""
 KNOWN = (State.CERTAIN, State.APPROXIMATE)
 UNSURE = {
     State.AMBIGUOUS: "several places look alike",
@@ -57,6 +64,8 @@ UNSURE = {
 }
 
 
+GLANCE_ENDS_S = 0.3
+"""A move to see more is over so long after its time [s]."""
 SEARCHED_S = 1.0
 """The nearest place on a leg is looked for so far ahead [s]."""
 LEG_ENDS_M, LEG_ENDS_S = 0.006, 0.5
@@ -65,9 +74,12 @@ stands so shortly before it [s]; the rest is driven by times."""
 ON_CURVE = 0.02
 """A robot that is farther from a closed curve first drives to it as to a goal [m; rad / 5]."""
 
-Plan = tuple[WayLeg, ...] | Lap
+Plan = tuple[WayLeg, ...] | Lap | Move
 Job = Callable[[], Plan]
 """Plans; raises a ``NoWayError``."""
+Look = Callable[[tuple[Glimpse, ...], Pose2, tuple[Pose2, ...], int], Move]
+"""Finds the move that tells most: from views, the odometry now, places that are believed in, and
+how often there was none before."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,8 +123,12 @@ class Sensed:
     twist: Twist2
     """As the wheels measure it."""
     integrity: Integrity
-    seen: float = math.inf
-    """How near to its middle the robot sees a wall [m]; inf is none."""
+    odom: Pose2 = Pose2()
+    """The robot in the odometry's frame."""
+    view: Glimpse | None = None
+    """What it saw last; None before that."""
+    places: tuple[Pose2, ...] = ()
+    """Where it may be now, by its filter."""
 
 
 class Navigator:
@@ -124,7 +140,7 @@ class Navigator:
         settings: NavigationSettings,
         limits: Limits,
         *,
-        radius: float,
+        look: Look,
         name: str | int | None = None,
         repeat: bool = False,
         curve: ClosedCurve | None = None,
@@ -137,7 +153,7 @@ class Navigator:
             goals: one or more; none with a curve.
             settings: tolerances and speeds.
             limits: of the drive.
-            radius: of the circle in which the robot turns on the spot [m].
+            look: finds moves for a robot that does not know its place; in another thread.
             name: by which its sender knows the journey.
             repeat: whether it begins again after the last goal.
             curve: is driven lap after lap, until somebody ends it.
@@ -147,7 +163,7 @@ class Navigator:
         self.status = NavigationStatus("planning", goals, name, on_curve=curve is not None)
         self._settings = settings
         self._limits = limits
-        self._turning_room = radius + NEAREST_SEEN
+        self._look = look
         self._repeat = repeat
         self._planner = planner
         self._controller = controller or Tracker()
@@ -163,8 +179,18 @@ class Navigator:
         """When the trajectory was over [s]; None before that."""
         self._asked: Pose2 | None = None
         """Where the way begins that is planned now; None if none is."""
-        self._looked = 0.0
-        """How far it has turned to look around since it last knew its place [rad]."""
+        self._moves = 0
+        """How often it has moved to see more since it last knew its place."""
+        self._views: list[Glimpse] = []
+        """What it has seen since then."""
+        self._in_vain = 0
+        """How often it has looked and found no move, since the last move."""
+        self._told = ""
+        """Why it moves so, or not."""
+        self._look_at = 0.0
+        """When it looks [s]."""
+        self._glance: TimedWay | None = None
+        """The move to see more, in the odometry's frame."""
         self._knows_since: float | None = None
         self._looks = False
         self._doubted_since: float | None = None
@@ -178,6 +204,8 @@ class Navigator:
 
     def job(self, free: Callable[[], FreeSpace], tick: Sensed) -> Job | None:
         """Return work for another thread, if there is some: its result belongs to ``take``."""
+        if self._looks:
+            return self._look_job(tick)
         if (
             self.status.state != "planning" or self._asked is not None or tick.pose is None
             or not self._stands(tick)
@@ -200,7 +228,10 @@ class Navigator:
             if seeks and space.turns(start.to_array()[None, :2]):
                 return _all_around(start)
             if reached and start.distance_to(end) <= GOAL_STAYS:
-                return corrected(space, start, end, settings)
+                legs = corrected(space, start, end, settings)
+                # Without room to correct it, an end beside the goal is no arrival: it comes anew.
+                if legs or _is_there(start, end, settings):
+                    return legs
             return planner(space, start, end)
 
         return work
@@ -229,10 +260,33 @@ class Navigator:
 
         return work
 
+    def _look_job(self, tick: Sensed) -> Job | None:
+        """Return the work of finding a move, if the robot stands and has seen what it can."""
+        if (
+            self._asked is not None or self._glance is not None or tick.view is None
+            or self._knows_since is not None or self._moves >= MOST_MOVES
+            or tick.stamp < self._look_at or not self._stands(tick)
+        ):  # fmt: skip
+            return None
+        seen, views = tick.view, self._views
+        if not views or views[-1].is_elsewhere(seen):
+            self._views = views = [*views[1 - MOST_VIEWS :], seen]
+        look, odom, places, dares = self._look, tick.odom, tick.places, self._in_vain
+        self._asked = odom
+        return lambda: look(tuple(views), odom, places, dares)
+
     def take(self, legs: Plan | BrickPoseError) -> None:
         """Drive along legs that were planned, or stand if there is no way."""
         self._asked = None
         if not self.status.active:
+            return
+        if isinstance(legs, Move):
+            self._told = legs.reason
+            self._in_vain = 0 if legs.legs else self._in_vain + 1
+            self._look_at = (self._stamp or 0.0) + LOOKS_AGAIN_S
+            if legs.legs and self._looks:
+                self._moves += 1
+                self._clock, self._glance = 0.0, timed(legs.legs, self._limits)
             return
         if isinstance(legs, BrickPoseError):
             self._end("failed", str(legs))
@@ -266,14 +320,21 @@ class Navigator:
             self._doubted_since = None
         if pose is None or self._looks or self._has_to_look(tick):
             return self._look_around(tick, doubt, passed)
-        if trajectory is None:
-            return Twist2()
-        if self._is_off(pose, trajectory):
-            self.plan_anew()
+        if trajectory is None or self._stays(tick, pose, trajectory, doubt):
             return Twist2()
         if self._clock >= trajectory.duration and self._settled(tick, pose, trajectory):
             return Twist2()
         return self._drive(tick, pose, trajectory, passed)
+
+    def _stays(self, tick: Sensed, pose: Pose2, trajectory: TimedWay, doubt: str) -> bool:
+        """Whether it must not drive on: its place is in doubt, or it is off its way."""
+        if doubt and math.isinf(tick.integrity.radius):
+            self._show("waiting", reason=doubt)
+            return True
+        if self._is_off(pose, trajectory):
+            self.plan_anew()
+            return True
+        return False
 
     def _drive(self, tick: Sensed, pose: Pose2, trajectory: TimedWay, passed: float) -> Twist2:
         """Go on along the trajectory."""
@@ -326,6 +387,11 @@ class Navigator:
             self._stands_since = None
             self._show("waiting", reason="nothing is heard from its sender: it waits")
 
+    @property
+    def looks(self) -> bool:
+        """Whether it finds out where it is."""
+        return self._looks
+
     def ask_again(self) -> None:
         """Have the way planned again whose result was lost."""
         self._asked = None
@@ -335,7 +401,7 @@ class Navigator:
         trajectory = self._trajectory
         if trajectory is not None and trajectory.loop is not None:
             self._left_at = trajectory.at(self._clock).pose
-        self._trajectory = None
+        self._trajectory = self._glance = None
         self._stands_since = None
         self._show("planning")
 
@@ -369,27 +435,41 @@ class Navigator:
         return tick.integrity.state not in KNOWN or tick.stamp - self._doubted_since > DOUBT_S
 
     def _look_around(self, tick: Sensed, doubt: str, passed: float) -> Twist2:
-        """Turn on the spot until the place is known; stand if that has not helped."""
+        """Move so that the place becomes known; stand if that has not helped."""
         if not self._looks:
-            self._looks, self._looked = True, 0.0
+            self._looks, self._moves, self._views, self._told = True, 0, [], ""
+            self._in_vain = 0
+            self._look_at = tick.stamp + LOOKS_S
+            self._trajectory = self._glance = None
         self._stands_since = None
         if not doubt:
             self._knows_since = tick.stamp if self._knows_since is None else self._knows_since
-            if tick.stamp - self._knows_since >= LOOKS_ENOUGH_S:
-                self._looks, self._knows_since = False, None
+            if tick.stamp - self._knows_since >= LOOKS_ENOUGH_S and self._stands(tick):
+                self._looks, self._knows_since, self._glance = False, None, None
                 self.plan_anew()
                 return Twist2()
         else:
             self._knows_since = None
-        self._looked += LOOK_RATE * passed
-        if self._looked > MOST_LOOKING:
-            self._show("waiting", reason=f"{doubt}: it waits until it knows better")
+        self._show("waiting", reason=self._looking(doubt))
+        if self._glance is None or self._knows_since is not None:
             return Twist2()
-        if tick.seen < self._turning_room:
-            self._show("waiting", reason=f"{doubt}, and a wall is too near to look around")
+        self._clock += passed
+        if self._clock >= self._glance.duration + GLANCE_ENDS_S:
+            self._glance, self._look_at = None, tick.stamp + LOOKS_S
             return Twist2()
-        self._show("waiting", reason=f"{doubt or 'it knows its place again'}: it looks around")
-        return Twist2(0.0, LOOK_RATE)
+        wanted = self._glance.at(self._clock)
+        ahead = self._glance.at(self._clock + self._settings.command_lag).twist
+        return follow(tick.odom, wanted, ahead, self._settings)
+
+    def _looking(self, doubt: str) -> str:
+        """Return in words why the robot stands, or moves to see more."""
+        if not doubt:
+            return "it knows its place again"
+        if self._glance is not None:
+            return f"{doubt}: it looks around, {self._told}"
+        if self._moves >= MOST_MOVES:
+            return f"{doubt}: it waits until it knows better"
+        return f"{doubt}: {self._told or 'it looks'}"
 
     def _pace(self, integrity: Integrity) -> float:
         """Return the share of the planned speed that the robot drives."""
@@ -511,19 +591,43 @@ def corrected(
     beside = goal.inverse() @ start
     near = settings.xy_goal_tolerance / 2
     if abs(beside.y) > near:
-        for distance in (-CORRECTION_M, CORRECTION_M, -CORRECTION_M / 2, CORRECTION_M / 2):
+        for distance in CORRECTIONS_M:
             away = _sidestep(start, goal, distance)
             back = straight(goal @ Pose2(distance), -distance)
-            if free.fits(away.poses) and free.fits(back.poses):
+            if comes_no_nearer(free, away, start) and comes_no_nearer(free, back, goal):
                 return away, back
-    legs = []
-    if abs(beside.theta) > settings.yaw_goal_tolerance / 2 and free.turns(
-        start.to_array()[None, :2]
-    ):
-        legs.append(turn(start, goal.theta))
+    legs: list[WayLeg] = []
+    if abs(beside.theta) > settings.yaw_goal_tolerance / 2:
+        legs.extend(_turned_to(free, start, goal.theta))
     if abs(beside.x) > near:
         legs.append(straight(Pose2(start.x, start.y, goal.theta), -beside.x))
     return tuple(legs)
+
+
+def _is_there(pose: Pose2, goal: Pose2, settings: NavigationSettings) -> bool:
+    """Whether a pose is the goal's, within the tolerances."""
+    turned = abs(wrap_angle(goal.theta - pose.theta))
+    near = pose.distance_to(goal) <= settings.xy_goal_tolerance
+    return near and turned <= settings.yaw_goal_tolerance
+
+
+def _turned_to(free: FreeSpace, start: Pose2, theta: float) -> tuple[WayLeg, ...]:
+    """Return turns on the spot to a heading [rad]; the robot swings away for a very small one.
+
+    Its wheels do not turn as slowly as that asks for.
+    """
+    swings = (
+        (SWING, -SWING, SWING / 2, -SWING / 2)
+        if abs(wrap_angle(theta - start.theta)) < SMALL_TURN
+        else ()
+    )
+    for swing in swings:
+        away = turn(start, theta + swing)
+        back = turn(away.end, theta)
+        if comes_no_nearer(free, away, start):
+            return away, back
+    direct = turn(start, theta)
+    return (direct,) if comes_no_nearer(free, direct, start) else ()
 
 
 def _all_around(pose: Pose2) -> tuple[WayLeg, ...]:

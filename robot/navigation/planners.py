@@ -24,6 +24,8 @@ class PlannerKind:
     thread."""
     patience: float = PATIENCE_S
     """A way is driven this long after its planning began [s], on the robot's clock."""
+    ends: bool = False
+    """Whether it is known to end: it is waited for, however busy the computer is."""
 
 
 def _in_headings(free: FreeSpace, start: Pose2, goal: Pose2) -> tuple[WayLeg, ...]:
@@ -42,9 +44,9 @@ PLANNERS: Mapping[str, PlannerKind] = MappingProxyType(
     {
         kind.name: kind
         for kind in (
-            PlannerKind("grid", plan),
-            PlannerKind("lattice", _in_headings, 0.3),
-            PlannerKind("rrt", _at_random, 1.5),
+            PlannerKind("grid", plan, ends=True),
+            PlannerKind("lattice", _in_headings, 0.3, ends=True),
+            PlannerKind("rrt", _at_random, 1.5, ends=True),
         )
     }
 )

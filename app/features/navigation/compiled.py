@@ -1,10 +1,11 @@
 """The compiled functions of navigation, with their arguments' types."""
 
-from numba import float32, float64, int64
+from numba import boolean, float32, float64, int64
 
 from app.engine.compiling.functions import Compiled
 
 _COSTS, _ROW = float32[:, ::1], float64[::1]
+_TABLE = float64[:, ::1]
 
 COMPILED = (
     Compiled("robot.navigation.grid_search._search", (_COSTS, int64, int64, int64, int64)),
@@ -14,4 +15,11 @@ COMPILED = (
         "robot.navigation.lattice._hybrid",
         (_COSTS, _ROW, float64[:, ::1], _ROW, _COSTS, float64, _ROW, _ROW),
     ),
+    Compiled("robot.navigation.place_kernels.scores", (_TABLE, _TABLE, _TABLE, _COSTS, _ROW, _ROW)),
+    Compiled("robot.navigation.place_kernels.rooms", (_TABLE, _TABLE, _COSTS, _ROW)),
+    Compiled(
+        "robot.navigation.place_kernels.reaches",
+        (_TABLE, _TABLE, _TABLE, boolean[:, ::1], _COSTS, _ROW, float64),
+    ),
+    Compiled("robot.navigation.place_kernels.ranges_from", (_TABLE, _ROW, _ROW, _COSTS, _ROW)),
 )

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
 from concurrent.futures import Future, ThreadPoolExecutor
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -21,12 +20,14 @@ from app.settings.config import Config
 from robot.driving.differential_drive import DifferentialDrive
 from robot.errors import BrickPoseError
 from robot.fields.field import Field
-from robot.geometry import Twist2
+from robot.geometry import Pose2, Twist2
 from robot.interface import Reading
 from robot.navigation.free_space import FreeSpace
+from robot.navigation.lookout import Move, look
 from robot.navigation.navigator import NavigationStatus, Navigator, Plan, Sensed
-from robot.navigation.planners import PATIENCE_S
+from robot.navigation.planners import PLANNERS
 from robot.navigation.planning import NoWayError
+from robot.navigation.possible_places import Glimpse
 from robot.navigation.settings import NavigationSettings
 from robot.navigation.timed_way import Limits
 from robot.navigation.walls import Walls
@@ -36,7 +37,11 @@ FIRST_PATIENCE_S = 0.15
 that drives repeat exactly, however fast the computer is. The first one is driven so much later, as
 it also needs the free space."""
 HANGS_S = 10.0
-"""A planner of one's own that has not ended after so long [s] is given up."""
+"""A planner that is not ours is given up if it has not ended after so long [s]."""
+LOOK_PATIENCE_S = 0.8
+"""The same of a move by which the robot learns where it is."""
+MOST_PLACES = 20
+"""So many places that the filter believes in are thought of."""
 LONGEST_TICK_S = 1.0
 """A longer time between two ticks is a jump of a replay."""
 
@@ -53,11 +58,15 @@ class Pilot:
         self._journey: Journey | None = None
         self._walls = NOTHING_SAID
         self._free: tuple[Walls, FreeSpace] | None = None
+        self._marks: FreeSpace | None = None
+        """Distances to what the robot sees, whether it is a wall or not."""
         self._future: Future[Plan] | None = None
         self._due = 0.0
         self._stamp = stamp
         self._choices = Choices(self.settings)
-        self._patience = PATIENCE_S
+        self._kind = PLANNERS["grid"]
+        self._hangs: float | None = None
+        """What is planned is given up so long after it is due [s]; None is never."""
         self._tells = False
         """Whether recordings shall know the walls of a journey: it may be older than they."""
         self._canceled = False
@@ -137,14 +146,13 @@ class Pilot:
                 eight = self._config.figure_eight
                 curve = curve_of(journey.curve, eight)
                 limits = limits.along_curve(journey.curve.speed or eight.speed, self._config.drive)
-            radius = float(np.hypot(*controls.spec.outline.T).max())
             kind = self._choices.planner(journey.planner)
-            self._patience = kind.patience
+            self._kind = kind
             navigator = Navigator(
                 journey.goals,
                 self.settings,
                 limits,
-                radius=radius,
+                look=partial(self._look, controls.spec.outline),
                 name=journey.name,
                 repeat=journey.repeat,
                 curve=curve,
@@ -180,13 +188,16 @@ class Pilot:
         if job is not None:
             known = self._free is not None and self._free[0] == walls
             first = 0.0 if known else FIRST_PATIENCE_S
-            self._due = tick.stamp + self._patience + first
+            ours = navigator.looks or self._kind.ends
+            self._hangs = None if ours else HANGS_S
+            patience = LOOK_PATIENCE_S if navigator.looks else self._kind.patience
+            self._due = tick.stamp + patience + first
             self._future = self._worker.submit(job)
 
     def _result(self, future: Future[Plan]) -> Plan | BrickPoseError:
         """Return a way that is due, or why there is none."""
         try:
-            return future.result(HANGS_S)
+            return future.result(self._hangs)
         except TimeoutError:
             stuck, self._worker = self._worker, ThreadPoolExecutor(1, "navigation")
             where = next((running(each.ident) for each in stuck._threads), None)
@@ -194,6 +205,21 @@ class Pilot:
             return NoWayError(where or phrase("the planner does not end"))
         except BrickPoseError as error:
             return error
+
+    def _look(
+        self,
+        outline: np.ndarray,
+        views: tuple[Glimpse, ...],
+        odom: Pose2,
+        places: tuple[Pose2, ...],
+        dares: int,
+    ) -> Move:
+        """Return the move that tells most of where the robot is; in the thread."""
+        if self._marks is None:
+            tape = Walls(tape="wall")
+            self._marks = FreeSpace.of(self._field, outline, self.settings, tape, edge=False)
+        free = self._space(outline, self._walls)
+        return look(views, odom, self._marks, free, places, dares=dares)
 
     def _space(self, outline: np.ndarray, walls: Walls) -> FreeSpace:
         """Return the free space; in the thread."""
@@ -215,20 +241,19 @@ def _why(before: Journey, journey: Journey | None, controls: Controls) -> str:
 
 def _tick(reading: Reading, controls: Controls) -> Sensed:
     odometry, follower = controls.odometry.at(reading.stamp), controls.follower
-    belief = follower.belief
-    pose = None if belief is None else belief.pose(odometry.odom_from_robot)
-    integrity = follower.integrity_at(odometry.odom_from_robot)
-    return Sensed(reading.stamp, pose, odometry.twist, integrity, _nearest(controls))
-
-
-def _nearest(controls: Controls) -> float:
-    """Return how near to the robot's middle the newest scan sees a wall [m]."""
-    newest = getattr(controls.follower, "newest", None)
-    if newest is None:
-        return math.inf
-    scan = newest[0]
-    seen = np.isfinite(scan.ranges)
-    start, ranges, bearings = scan.robot_from_scan, scan.ranges[seen], scan.bearings[seen]
-    x = start.x + ranges * np.cos(start.theta + bearings)
-    y = start.y + ranges * np.sin(start.theta + bearings)
-    return float(np.min(np.hypot(x, y), initial=math.inf))
+    belief, newest = follower.belief, getattr(follower, "newest", None)
+    pose: Pose2 | None = None
+    places: tuple[Pose2, ...] = ()
+    if belief is not None:
+        pose = belief.pose(odometry.odom_from_robot)
+        moved = belief.moved(odometry.odom_from_robot)
+        places = tuple(each.pose @ moved for each in belief.estimate.hypotheses[:MOST_PLACES])
+    return Sensed(
+        reading.stamp,
+        pose,
+        odometry.twist,
+        follower.integrity_at(odometry.odom_from_robot),
+        odometry.odom_from_robot,
+        None if newest is None else Glimpse(newest[1], newest[0]),
+        places,
+    )

@@ -2,6 +2,7 @@
 
 import math
 
+import numpy as np
 import pytest
 
 from app.settings.config import MAPS
@@ -11,15 +12,20 @@ from robot.geometry import Pose2, Twist2
 from robot.localization.estimate import Integrity, State
 from robot.navigation.free_space import FreeSpace
 from robot.navigation.goal import Goal
-from robot.navigation.navigator import Navigator, Sensed
+from robot.navigation.legs import turn
+from robot.navigation.lookout import Move
+from robot.navigation.navigator import MOST_MOVES, Navigator, Sensed
 from robot.navigation.planning import NoWayError
+from robot.navigation.possible_places import Glimpse
 from robot.navigation.settings import NavigationSettings
 from robot.navigation.timed_way import Limits
+from robot.scan import Scan
 
 TICK = 0.02
 SURE = Integrity(State.CERTAIN, 0.01, 0.02)
 LIMITS = Limits(0.2, 0.48, 0.5, 1.8, 3.2, 0.33, 0.056)
 SETTINGS = NavigationSettings(command_lag=0.02)
+SCAN = Scan(0.0, np.zeros(1), np.full(1, math.inf))
 FREE = FreeSpace.of(load_field("square", MAPS), RobotSpec.load().outline, SETTINGS)
 
 
@@ -27,19 +33,30 @@ class Ideal:
     """A robot that does at once what it is told."""
 
     def __init__(self, *goals: Goal, repeat=False) -> None:
-        self.navigator = Navigator(goals, SETTINGS, LIMITS, radius=FREE.radius, repeat=repeat)
+        self.navigator = Navigator(goals, SETTINGS, LIMITS, look=self.look, repeat=repeat)
         self.pose, self.twist, self.stamp = Pose2(), Twist2(), 0.0
         self.believed = SURE
-        self.seen = math.inf
+        self.looks: list[tuple[int, int]] = []
+        self.told: tuple[float, ...] = (1.0, -2.0)
+        """The turns that looking around finds, one after the other."""
         self.states: list[tuple[str, str]] = []
 
     @property
     def status(self):
         return self.navigator.status
 
+    def look(self, views, here, places, dares):
+        self.looks.append((len(views), dares))
+        count = len(self.looks) - 1
+        if count >= len(self.told):
+            return Move((), "no move would tell it more")
+        return Move((turn(here, here.theta + self.told[count]),), "a move tells")
+
     def tick(self, *, hold=False) -> None:
         self.stamp += TICK
-        now = Sensed(self.stamp, self.pose, self.twist, self.believed, self.seen)
+        now = Sensed(
+            self.stamp, self.pose, self.twist, self.believed, self.pose, Glimpse(self.pose, SCAN)
+        )
         job = self.navigator.job(lambda: FREE, now)
         if job is not None:
             try:
@@ -112,28 +129,47 @@ def test_without_a_place_it_looks_around_then_stands_and_drives_on_when_it_knows
     robot.go(2.5)
     assert robot.status.state == "driving"
     robot.believed = Integrity(state)
-    place = robot.pose
     robot.tick()
+    place = robot.pose
     assert robot.status.state == "waiting"
-    assert "looks around" in robot.status.reason
-    assert robot.twist.v == 0 < robot.twist.omega
-    robot.go(30)
     assert robot.twist == Twist2()
-    assert "waits until it knows better" in robot.status.reason
+    robot.go(30)
+    assert any("looks around, a move tells" in reason for _, reason in robot.states)
+    assert robot.twist == Twist2()
+    assert "no move would tell it more" in robot.status.reason
     assert robot.pose.distance_to(place) < 1e-9
+    assert robot.pose.theta == pytest.approx(place.theta - 1.0, abs=0.01)
+    assert [count for count, _ in robot.looks[:5]] == [1, 2, 3, 3, 3]
+    assert [dares for _, dares in robot.looks[:5]] == [0, 0, 0, 1, 2]
     robot.believed = SURE
     robot.go(60)
     assert robot.status.state == "arrived"
     assert robot.pose.distance_to(Pose2(0.3, 0.2)) <= SETTINGS.xy_goal_tolerance
 
 
-def test_it_does_not_look_around_where_a_wall_is_near():
+def test_it_looks_around_a_number_of_times_and_then_waits():
     robot = Ideal(Goal(0.3, 0.2, 2.0))
+    robot.told = (0.1, -0.1) * 50
     robot.go(1.0)
-    robot.believed, robot.seen = Integrity(State.LOST), FREE.radius
-    robot.tick()
+    robot.believed = Integrity(State.LOST)
+    robot.go(120)
+    assert len(robot.looks) == MOST_MOVES
     assert robot.twist == Twist2()
-    assert "too near to look around" in robot.status.reason
+    assert "waits until it knows better" in robot.status.reason
+
+
+def test_it_stands_at_once_while_its_place_is_in_doubt_and_then_drives_on():
+    robot = Ideal(Goal(0.3, 0.2, 2.0))
+    robot.go(2.5)
+    robot.believed = Integrity(State.APPROXIMATE, math.inf, 0.1)
+    robot.tick()
+    assert (robot.twist, robot.status.state) == (Twist2(), "waiting")
+    assert "in doubt" in robot.status.reason
+    robot.go(0.5)
+    robot.believed = SURE
+    robot.tick()
+    assert robot.status.state == "driving"
+    assert not robot.looks
 
 
 def test_it_is_slower_while_its_bound_is_wide():
@@ -154,6 +190,18 @@ def test_a_robot_that_was_pushed_plans_anew_and_arrives():
     robot.go(60)
     assert robot.status.state == "arrived"
     assert ("planning", "") in robot.states[1:]
+
+
+def test_beside_its_goal_it_has_not_arrived_though_there_is_no_room_to_correct_it(monkeypatch):
+    monkeypatch.setattr("robot.navigation.navigator.corrected", lambda *_: ())
+    robot = Ideal(Goal(0.35, 0.0, 0.0))
+    robot.go(1.0)
+    while robot.status.remaining_s > 0.01:
+        robot.tick()
+    robot.pose = Pose2(robot.pose.x, 0.006, robot.pose.theta)
+    robot.go(60)
+    assert robot.status.state == "arrived"
+    assert robot.pose.distance_to(Pose2(0.35, 0.0)) <= SETTINGS.xy_goal_tolerance
 
 
 def test_without_a_way_it_fails_and_says_why():

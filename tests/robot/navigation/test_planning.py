@@ -9,7 +9,7 @@ from robot.fields.field_loading import load_field
 from robot.fields.svg_field import field_of_drawing
 from robot.geometry import Pose2
 from robot.navigation.free_space import FreeSpace
-from robot.navigation.planning import NoWayError, plan, require_free
+from robot.navigation.planning import SAME_ROOM, NoWayError, plan, require_free
 from robot.navigation.settings import NavigationSettings
 from robot.navigation.timed_way import Limits, timed
 
@@ -108,3 +108,24 @@ def test_a_way_leads_around_a_wall():
     # The drawing's y points down: the wall reaches from above to y = -0.2.
     assert poses[:, 1].min() < -0.2 - free.radius
     assert 1.4 < sum(leg.length for leg in legs) < 2.0
+
+
+def test_a_robot_beside_tape_turns_a_part_to_get_away():
+    free = space("square")
+    start, goal = Pose2(0.432, 0.3, 0.0), Pose2(0.0, 0.0, 1.0)
+    assert not free.turns(start.to_array()[None, :2])
+    legs = plan(free, start, goal)
+    assert legs[-1].end.distance_to(goal) < 1e-6
+    room = float(free.room(start.to_array()[None])[0])
+    for leg in legs:
+        assert free.room(leg.poses).min() >= min(free.settings.clearance, room) - SAME_ROOM
+
+
+def test_a_robot_that_was_put_on_tape_leaves_it_and_does_not_come_back_to_it():
+    free = space("square")
+    start = Pose2(0.46, 0.0, 0.0)
+    assert free.stands_in_wall(start)
+    legs = plan(free, start, Pose2(0.0, 0.0, 1.0))
+    room = np.concatenate([free.room(leg.poses) for leg in legs])
+    clear = np.flatnonzero(room > 0)[0]
+    assert (room[clear:] > 0).all()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -15,7 +16,7 @@ from app.features.lab.evaluation.navigation.experiment import (
     each_robot,
     summary_of,
 )
-from app.features.lab.evaluation.navigation.trials import Row
+from app.features.lab.evaluation.navigation.trials import COLUMNS, NavigationRun, Row
 from app.features.lab.report_page import page
 from app.features.lab.workers import Workers, workers_from_options
 from app.options import config_file
@@ -34,7 +35,7 @@ WORST = 12
 def evaluate_navigation(
     experiment: NavigationExperiment, workers: Workers, folder: Path
 ) -> dict[str, Any]:
-    """Run the experiment and write ``results.json`` and ``report.html``.
+    """Run the experiment and write ``results.json``, ``report.html`` and ``runs/``.
 
     Args:
         experiment: the robots, fields, conditions and trials.
@@ -55,13 +56,30 @@ def evaluate_navigation(
             if isinstance(each, Failure):
                 failures.append(each)
             else:
-                rows.append(each)
+                rows.extend(each.rows)
+                _write_run(new, experiment, each)
         if not rows:
             raise EvaluationError(f"no robot could drive: {failures[0].error}")
         results = _results(experiment, _in_order(rows, experiment), failures)
         (new / "report.html").write_text(_report(experiment, results), encoding="utf-8")
         write_json(new / RESULTS, results)
     return results
+
+
+def _write_run(folder: Path, experiment: NavigationExperiment, run: NavigationRun) -> None:
+    """Write a robot's ticks; only what there are several of is in the name of its file."""
+    row = run.rows[0]
+    name = row["map"]
+    if len(experiment.conditions) > 1:
+        name += f"-{row['condition']}"
+    if len(experiment.trials) > 1:
+        name += f"-{row['trial']}"
+    path = folder / "runs" / f"{name}-{row['seed']}.csv"
+    path.parent.mkdir(exist_ok=True)
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(COLUMNS)
+        writer.writerows(run.ticks)
 
 
 def _results(

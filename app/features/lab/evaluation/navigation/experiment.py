@@ -17,7 +17,13 @@ from app.engine.robots import robot_kind
 from app.features.lab.calibrate.command import calibrate_by_driving
 from app.features.lab.evaluation.experiment import PLACED_SD
 from app.features.lab.evaluation.integrity.experiment import Failure, map_stem
-from app.features.lab.evaluation.navigation.trials import TRIALS, NavigationJob, Row, do_trial
+from app.features.lab.evaluation.navigation.trials import (
+    TRIALS,
+    NavigationJob,
+    NavigationRun,
+    Row,
+    do_trial,
+)
 from app.features.lab.workers import Workers
 from app.settings.conditions import apply_condition, require_condition
 from app.settings.config import MAPS, Config
@@ -113,7 +119,7 @@ class CalibratedJob:
     calibrate: float | None
 
 
-def do_calibrated(wanted: CalibratedJob) -> list[Row]:
+def do_calibrated(wanted: CalibratedJob) -> NavigationRun:
     """Do one robot's journeys; equal jobs have equal outcomes."""
     job = wanted.job
     if wanted.calibrate is None:
@@ -128,8 +134,10 @@ def do_calibrated(wanted: CalibratedJob) -> list[Row]:
         return do_trial(replace(job, config=replace(job.config, profile=str(path))))
 
 
-def each_robot(jobs: Sequence[CalibratedJob], workers: Workers) -> Iterator[Row | Failure]:
-    """Do all of them and show the progress; yields journeys in the order in which they finish.
+def each_robot(
+    jobs: Sequence[CalibratedJob], workers: Workers
+) -> Iterator[NavigationRun | Failure]:
+    """Do all of them and show the progress; yields robots in the order in which they finish.
 
     A robot that fails is yielded as a failure and the rest goes on.
     """
@@ -146,7 +154,7 @@ def each_robot(jobs: Sequence[CalibratedJob], workers: Workers) -> Iterator[Row 
             reason = " ".join(str(outcome).split()) or type(outcome).__name__
             yield Failure(about["map"], job.condition, job.config.seed, reason)
         else:
-            yield from (about | row for row in outcome)
+            yield NavigationRun([about | row for row in outcome.rows], outcome.ticks)
 
 
 def summary_of(rows: Iterable[Row]) -> list[dict[str, Any]]:

@@ -53,6 +53,12 @@ SHORTEST_M = 0.1
 LEAVES_M = 0.05
 """A robot whose middle is so far beyond the tape has left the field [m]."""
 RENEWAL = NavigateCommand(type="navigate")
+COLUMNS = (
+    "stamp", "true_x", "true_y", "true_theta", "x", "y", "theta", "state", "radius", "goal_x",
+    "goal_y", "goal_theta", "path_x", "path_y", "navigation", "room",
+)  # fmt: skip
+"""Of a robot's CSV, a line a tick: truth, estimate and what is claimed of it, the goal, the point
+where the robot shall be, what navigation shows, and the true outline's room [m, rad]."""
 Row = dict[str, Any]
 
 
@@ -74,6 +80,9 @@ class NavigationTrial:
         self.engine = silent(self.program.engine)
         self.now: Snapshot = self.engine.step()
         self._room, self._began, self._was_moved = math.inf, 0.0, False
+        self._was_clear = False
+        """Whether it was clear of tape since it was put to its place: else it did not go there."""
+        self.ticks: list[list[str]] = []
         localization = self.engine.localization
         if trial == "scattered":
             localization.scatter()
@@ -127,7 +136,7 @@ class NavigationTrial:
             "claimed_m": None if pose is None else pose.distance_to(goal),
             "estimate_m": None if pose is None else pose.distance_to(truth),
             "bound_m": _finite(self.now.integrity.radius),
-            "room_m": self._room,
+            "room_m": _finite(self._room),
             "moved": self._was_moved,
         }
 
@@ -164,7 +173,7 @@ class NavigationTrial:
             "rms_m": float(np.sqrt(np.mean(np.square(offsets)))),
             "worst_m": float(np.max(offsets)),
             "rms_by_minute_m": rms,
-            "room_m": self._room,
+            "room_m": _finite(self._room),
             "moved": False,
         }
 
@@ -240,6 +249,7 @@ class NavigationTrial:
             place = self.truth @ moved
             if self.free.fits(place.to_array()[None]):
                 robot.place(place)
+                self._was_clear = False
                 return True
         return False
 
@@ -256,7 +266,27 @@ class NavigationTrial:
             self._put(command)
         self.now = self.engine.step()
         room = float(self.free.room(self.truth.to_array()[None])[0])
-        self._room = min(self._room, room)
+        self._was_clear = self._was_clear or room > 0
+        if self._was_clear:
+            self._room = min(self._room, room)
+        self.ticks.append(self._tick(room))
+
+    def _tick(self, room: float) -> list[str]:
+        """Return one line of the CSV."""
+        snapshot, status = self.now, self._status
+        goal: tuple[float | None, ...] = (None, None, None)
+        target = None
+        if status is not None and status.active:
+            goal = status.goals[status.number] if status.goals else goal
+            target = status.target
+        numbers = (
+            snapshot.stamp, *self.truth.to_array(), *_numbers(snapshot.pose),
+            snapshot.integrity.radius, *goal,
+            *_numbers(target)[:2],
+        )  # fmt: skip
+        shown = ["" if each is None else f"{each:.6f}" for each in numbers]
+        state = "" if status is None else status.state
+        return [*shown[:7], str(snapshot.integrity.state), *shown[7:], state, f"{room:.4f}"]
 
 
 def _all_of(drive: DriveSettings, settings: NavigationSettings, rim: float, track: float) -> Limits:
@@ -277,6 +307,10 @@ def _from_circles(place: Array, radius: float) -> float:
     return min(abs(math.hypot(place[0, 0], place[0, 1] - y) - radius) for y in (radius, -radius))
 
 
+def _numbers(pose: Pose2 | None) -> tuple[float | None, ...]:
+    return (None, None, None) if pose is None else (pose.x, pose.y, pose.theta)
+
+
 def _finite(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
@@ -292,13 +326,23 @@ class NavigationJob:
     minutes: float
 
 
-def do_trial(job: NavigationJob) -> list[Row]:
+@dataclass(frozen=True)
+class NavigationRun:
+    """What one robot has done."""
+
+    rows: list[Row]
+    """Its journeys' rows in ``results.json``."""
+    ticks: list[list[str]]
+    """The lines of its CSV, by ``COLUMNS``."""
+
+
+def do_trial(job: NavigationJob) -> NavigationRun:
     """Do one robot's journeys; equal jobs have equal outcomes."""
     trial = NavigationTrial(job.config, job.trial)
     try:
         if job.trial in ("figure-eight", "open-loop"):
-            return [trial.curve(60 * job.minutes)]
+            return NavigationRun([trial.curve(60 * job.minutes)], trial.ticks)
         goals = 1 if job.trial == "scattered" else job.goals
-        return [trial.journey(number) for number in range(goals)]
+        return NavigationRun([trial.journey(number) for number in range(goals)], trial.ticks)
     finally:
         trial.close()
