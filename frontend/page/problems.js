@@ -93,7 +93,7 @@ export class Problems {
     this.#reason = "";
     try {
       /** @type {HealthMessage} */
-      const { status, detail } = await getJson("/api/health");
+      const { status, detail } = await getJson("api/health");
       if (status !== "ok") this.#reason = detail;
     } catch (error) {
       // A failed program answers with the reason.
@@ -107,7 +107,7 @@ export class Problems {
     let fault = "";
     try {
       /** @type {ProblemsMessage} */
-      const { problems, trace } = await getJson("/api/problems");
+      const { problems, trace } = await getJson("api/problems");
       items = problems
         .reverse()
         .map(({ stamp, message }) =>

@@ -21,6 +21,7 @@ from app.settings.config import FRONTEND
 from robot.settings import SettingError
 
 NO_LESSON = refusal(404, "no such lesson")
+PAGE = FRONTEND / "features" / "course" / "learn.html"
 
 
 def course_router(file: Path, folder: Path | None = None) -> APIRouter:
@@ -35,10 +36,13 @@ def course_router(file: Path, folder: Path | None = None) -> APIRouter:
     router.include_router(student_file_router(file))
 
     @router.get("/learn", include_in_schema=False)
+    def first(request: Request) -> HTMLResponse:
+        return page(PAGE, request)
+
     @router.get("/learn/{number}", include_in_schema=False)
-    def learn(request: Request, number: int = 1) -> HTMLResponse:
+    def learn(request: Request, number: int) -> HTMLResponse:
         _lesson(number, folder)
-        return page(FRONTEND / "features" / "course" / "learn.html", request)
+        return page(PAGE, request, content={"base": '<base href="../">'})
 
     @router.get("/api/lessons")
     def all_lessons(request: Request) -> list[dict[str, Any]]:

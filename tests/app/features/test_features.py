@@ -61,6 +61,7 @@ NAMES = [
     "own_models",
     "picture_odometry",
     "recordings",
+    "reverse_proxy",
     "ros",
     "weighing",
 ]
@@ -80,6 +81,7 @@ LATE = {
         *(subcommand.options for subcommand in feature.subcommands),
         *feature.routers,
         *feature.guests,
+        *feature.gates,
         *feature.commands,
         *feature.values,
         *feature.messages,
