@@ -12,13 +12,17 @@ import socket
 import subprocess
 import sys
 import time
+from contextlib import suppress
 from pathlib import Path
 from urllib.parse import urlsplit
+from urllib.request import ProxyHandler, build_opener
 
 from app.console import say
 from app.features.classroom.class_folder import ClassFolder
 from app.features.classroom.links_page import link_of, write_links
 from app.features.classroom.roster import TEACHER, Student, read_roster
+from app.features.classroom.warm.ending import end_copies
+from app.features.classroom.warm.request import WarmParentError, start_parent
 from app.files import atomic_file
 from app.page.address import own_address
 from robot.errors import BrickPoseError
@@ -35,6 +39,7 @@ CURE = "python -m pip install 'brickpose[class]'"
 WORSE_AFTER_S = 10.0
 MOST_FAILURES = 3
 END_S = 15.0
+READY_S, LOOK_S = 60.0, 0.2
 CONFIG = '''\
 # Written anew at each start of `brickpose class`; docs/classroom.md has what each line means.
 from app.features.classroom.hub.configuration import configure
@@ -72,6 +77,7 @@ def serve_class(parsed: argparse.Namespace) -> int:
     folder.make()
     address = (getattr(parsed, "address", None) or _address(parsed.host, parsed.port)).rstrip("/")
     keys = folder.keys(students)
+    folder.write_names(students)
     _write(folder, parsed)
     write_links(folder.links, address, students, keys)
     say(f"{len(students)} students; the page with their links, to print: {folder.links}")
@@ -81,7 +87,7 @@ def serve_class(parsed: argparse.Namespace) -> int:
 
 
 def _check_options(parsed: argparse.Namespace) -> None:
-    limits = {"port": (1, 65533), "memory": (300, 1_000_000), "idle": (1, 100_000)}
+    limits = {"port": (1, 65532), "memory": (300, 1_000_000), "idle": (1, 100_000)}
     for name, (low, high) in limits.items():
         if not low <= getattr(parsed, name) <= high:
             raise SettingError(
@@ -111,10 +117,10 @@ def _check_packages(*, notebook: bool) -> None:
 
 
 def _check_ports(host: str, port: int) -> None:
-    """Raise a ClassError if one of three ports is taken, or the address is not of this machine."""
+    """Raise a ClassError if one of four ports is taken, or the address is not of this machine."""
     for address, each, use in (
         (host, port, "the class"), ("127.0.0.1", port + 1, "the hub"),
-        ("127.0.0.1", port + 2, "the proxy's interface"),
+        ("127.0.0.1", port + 2, "the proxy's interface"), ("127.0.0.1", port + 3, "the wall"),
     ):  # fmt: skip
         with socket.socket() as probe:
             probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
@@ -122,7 +128,7 @@ def _check_ports(host: str, port: int) -> None:
                 probe.bind((address, each))
             except OSError as error:
                 raise ClassError(
-                    f"cannot listen on {address} port {each}, for {use}: {error.strerror}; three "
+                    f"cannot listen on {address} port {each}, for {use}: {error.strerror}; four "
                     "free ports one after the other are chosen by --port"
                 ) from error
 
@@ -159,20 +165,25 @@ def _keep_running(
         if process is not None:
             process.terminate()
 
+    with suppress(WarmParentError):  # then each server starts by itself
+        start_parent(folder.warm_socket)
     process: subprocess.Popen[bytes] | None = None
     for each in (signal.SIGINT, signal.SIGTERM):
         signal.signal(each, end)
     log, failures = folder.path / "hub.log", 0
-    say(f"The teacher's wall: {link_of(address, key)}")
-    say(f"BrickPose serves {len(students)} students at {address} (Ctrl-C ends it)")
+    announced = False
     while not ended:
         begun = time.monotonic()
         with log.open("ab") as out:
             process = subprocess.Popen(
                 [sys.executable, "-m", "jupyterhub", "--config", str(folder.config)],
                 cwd=folder.path, stdin=subprocess.DEVNULL, stdout=out, stderr=out,
-                env=_environment(), start_new_session=True,
+                env=_environment(first=not announced), start_new_session=True,
             )  # fmt: skip
+        if not announced and _answers(process, port):
+            say(f"The teacher's wall: {link_of(address, key)}")
+            say(f"BrickPose serves {len(students)} students at {address} (Ctrl-C ends it)")
+            announced = True
         process.wait()
         failures = failures + 1 if time.monotonic() - begun < WORSE_AFTER_S else 0
         if not ended and failures >= MOST_FAILURES:
@@ -181,14 +192,26 @@ def _keep_running(
     return 0
 
 
-def _environment() -> dict[str, str]:
+def _answers(process: subprocess.Popen[bytes], port: int) -> bool:
+    """Wait until the hub answers by its proxy; return whether it does, before it ends."""
+    opener, end = build_opener(ProxyHandler({})), time.monotonic() + READY_S
+    while process.poll() is None and time.monotonic() < end:
+        try:
+            opener.open(f"http://127.0.0.1:{port}/hub/api/", timeout=READY_S).close()
+        except OSError:
+            time.sleep(LOOK_S)
+        else:
+            return True
+    return False
+
+
+def _environment(*, first: bool) -> dict[str, str]:
     root = str(Path(__file__).parents[3])  # a checkout is not where JupyterHub looks
     path = os.environ.get("PYTHONPATH")
-    return os.environ | {"PYTHONPATH": f"{root}{os.pathsep}{path}" if path else root}
+    found = {"PYTHONPATH": f"{root}{os.pathsep}{path}" if path else root}
+    return os.environ | found | ({"BRICKPOSE_CLASS_STARTS": "1"} if first else {})
 
 
 def _end_servers(folder: ClassFolder) -> None:
     """End the warm parent and what it started: the hub leaves them, so that it may die alone."""
-    from app.features.classroom.warm.ending import end_copies  # noqa: PLC0415
-
     end_copies(folder.warm_socket, END_S)

@@ -38,6 +38,11 @@ class ClassFolder:
         return self.path / "jupyterhub_config.py"
 
     @property
+    def names(self) -> Path:
+        """The students' names by what the hub calls them, as JSON."""
+        return self.path / "students.json"
+
+    @property
     def links(self) -> Path:
         """The page to print."""
         return self.path / "links.html"
@@ -87,6 +92,12 @@ class ClassFolder:
                 "are new"
             ) from error
         return kept
+
+    def write_names(self, students: Sequence[Student]) -> None:
+        """Keep the names for the wall."""
+        with atomic_file(self.names) as unfinished:
+            names = {student.login: student.name for student in students}
+            unfinished.write_text(json.dumps(names, indent=1), encoding="utf-8")
 
     def _write_keys(self, keys: Mapping[str, str]) -> None:
         with atomic_file(self.path / "keys.json") as unfinished:

@@ -6,16 +6,14 @@ import argparse
 import os
 from collections.abc import Callable, Iterator
 from functools import partial
-from urllib.parse import urlsplit
+from urllib.parse import unquote, urlsplit
 
-from starlette.types import ASGIApp, Receive, Scope, Send
-
-from app.feature import Feature, NewGate
+from app.feature import Feature, NewGate, Panel
+from app.features.classroom.class_desk import ClassDesk, ClassState
 from app.features.classroom.hub_client import HubClient, HubEnvironment
-from app.features.classroom.sign_in import VISITOR, Sessions, SignIn
+from app.features.classroom.sign_in import Sessions, SignIn
 from app.features.course.learn_command import learn
-from app.page.token_guard import CODE
-from app.settings.config import Config
+from app.settings.config import FRONTEND, Config
 
 
 def serve_user(
@@ -35,29 +33,19 @@ def serve_user(
     parsed.host, parsed.port = place.hostname or "127.0.0.1", place.port or 8888
     parsed.root_path = hub.prefix
     parsed.no_token = True  # the hub knows who comes
-    signing_in = Feature(
-        name="sign_in",
-        about="visitors sign in at the hub",
+    desk = Feature(
+        name="class",
+        about="visitors sign in at the hub, and the teacher's wall has a say",
         gates=(lambda _config: _gates(HubClient(hub)),),
+        panels=(Panel("desk", "Class", FRONTEND / "features" / "classroom" / "panel.js"),),
     )
-    parsed.features = parsed.features.adding(signing_in)
+    parsed.features = parsed.features.adding(desk)
     return learn(parsed, config_from(parsed))
 
 
 def _gates(hub: HubClient) -> Iterator[NewGate]:
-    yield partial(OwnerRunsCode, owner=hub.environment.user)
+    own = hub.environment
+    # Paths are decoded where they arrive.
+    path = unquote(own.prefix)
+    yield partial(ClassDesk, owner=own.user, prefix=path, state=ClassState())
     yield partial(SignIn, hub=hub, sessions=Sessions())
-
-
-class OwnerRunsCode:
-    """Lets the owner of the server, and no other visitor, have Python run by the page."""
-
-    def __init__(self, app: ASGIApp, owner: str) -> None:
-        self._app = app
-        self._owner = owner
-
-    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Pass a request on with what its sender may do."""
-        if VISITOR in scope:
-            scope = {**scope, CODE: scope[VISITOR].name == self._owner}
-        await self._app(scope, receive, send)

@@ -23,7 +23,7 @@ def configure(
         c: the object of that name in ``jupyterhub_config.py``.
         folder: the class's folder.
         host: the address to listen on.
-        port: the port; the two after it are the hub's own, on this machine alone.
+        port: the port; the three after it are the hub's own, on this machine alone.
         memory_mb: the limit of a student's processes.
         idle_s: a server that nobody used so long is ended [s].
         notebook: JupyterLab is each student's server, and has the dashboard in its launcher.
@@ -53,8 +53,8 @@ def configure(
     if notebook:
         c.Spawner.default_url = "/lab"
     c.JupyterHub.concurrent_spawn_limit = 0
-    c.JupyterHub.services = [_culler(idle_s)]
-    c.JupyterHub.load_roles = [_CULLING]
+    c.JupyterHub.services = [_culler(idle_s), _wall(place, port)]
+    c.JupyterHub.load_roles = [_CULLING, _WALL]
 
 
 _CULLING = {
@@ -62,6 +62,25 @@ _CULLING = {
     "scopes": ["list:users", "read:users:activity", "read:servers", "delete:servers"],
     "services": ["idle-culler"],
 }
+
+
+_WALL = {
+    "name": "wall",
+    "scopes": ["list:users", "admin:users", "servers", "access:servers"],
+    "services": ["wall"],
+}
+
+
+def _wall(folder: ClassFolder, port: int) -> dict[str, Any]:
+    environment = {
+        "BRICKPOSE_CLASS": str(folder.path), "BRICKPOSE_PROXY_ADDRESS": f"http://127.0.0.1:{port}",
+        "PYTHONPATH": os.environ.get("PYTHONPATH", ""),
+    }  # fmt: skip
+    return {
+        "name": "wall", "url": f"http://127.0.0.1:{port + 3}", "oauth_no_confirm": True,
+        "command": [sys.executable, "-m", "app.features.classroom.wall.service"],
+        "environment": environment,
+    }  # fmt: skip
 
 
 def _culler(idle_s: int) -> dict[str, Any]:

@@ -17,6 +17,8 @@ from app.features.classroom.class_folder import ClassFolder
 from app.features.classroom.warm.request import Confinement, CopyRequest, ask, start_parent
 from app.features.classroom.warm.request import WarmParentError as NotWarmError
 
+FIRST_START = "BRICKPOSE_CLASS_STARTS"
+"""In the environment of a hub that is not one begun again."""
 MOST_STARTS = 5
 WITHIN_S = 60.0
 """A server that died so often within this time [s] is left dead: something in its files kills it."""
@@ -101,8 +103,11 @@ class StudentSpawner(SimpleLocalProcessSpawner):
         return super().get_state() | (kept if self.pid else {})
 
     def load_state(self, state: dict[str, Any]) -> None:
-        """Take over a server of a hub that has ended."""
+        """Take over a server of a hub that has died; those of an earlier lesson were ended."""
         super().load_state(state)
+        if os.environ.get(FIRST_START):
+            self.pid = 0
+            return
         self.started_at = state.get("started_at", 0.0)
         self.request = state.get("request", {})
 
@@ -120,5 +125,3 @@ def _started_at(pid: int) -> float:
         return 0.0
     return 0.0 if fields[0] == "Z" else float(fields[19])
 
-
-assert os.name == "posix"

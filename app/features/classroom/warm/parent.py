@@ -7,13 +7,16 @@ copy goes on as a program does that has just imported everything.
 from __future__ import annotations
 
 import gc
+import importlib
 import json
 import os
+import pkgutil
 import signal
 import socket
 import sys
 import threading
 import time
+import warnings
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -25,6 +28,19 @@ STEPS = 20
 """Ticks that a robot is driven before, so that what is made at a first tick is shared, too."""
 ALONE_S = 10.0
 LOG = "brickpose.log"
+ROOMS = ("app.engine", "app.page", "app.messages", "app.languages", "app.settings", "app.features")
+COLD = (
+    "app.features.build_hat", "app.features.classroom.hub", "app.features.classroom.warm.parent",
+    "app.features.lab", "app.features.ros.dds", "app.features.course.lessons",
+    "app.languages.extraction", "app.languages.update",
+)  # fmt: skip
+"""Rooms that servers of students do not enter."""
+LATE = (
+    "anyio._backends._asyncio", "encodings.idna", "pydantic.v1", "rich.console", "app.__main__", "app.command_line", "app.tools.doctor.finding",
+    "uvicorn.lifespan.on", "uvicorn.protocols.http.h11_impl",
+    "uvicorn.protocols.websockets.websockets_sansio_impl", "viser.infra", "websockets.asyncio.server",
+)  # fmt: skip
+"""What libraries import only when they serve."""
 
 
 class WarmParent:
@@ -105,13 +121,26 @@ def _use_log(path: Path) -> None:
     sys.stderr = os.fdopen(2, "w", buffering=1, errors="backslashreplace", closefd=False)
 
 
+def _import_all() -> None:
+    """Import what servers import sooner or later: what a copy imports itself is its own memory."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        for room in ROOMS:
+            package = importlib.import_module(room)
+            for found in pkgutil.walk_packages(package.__path__, f"{room}."):
+                if not found.name.startswith(COLD):
+                    with suppress(ImportError):  # of another system, or not installed
+                        importlib.import_module(found.name)
+        for name in LATE:
+            importlib.import_module(name)
+
+
 def get_warm() -> None:
     """Import what a server needs, and drive a robot for a moment."""
     import cv2  # noqa: PLC0415 - its threads would not be in a copy
 
     cv2.setNumThreads(0)
-    import app.features.classroom.single_user  # noqa: F401, PLC0415
-    import app.features.control.starting  # noqa: F401, PLC0415
+    _import_all()
     from app.engine.build import build_program  # noqa: PLC0415
     from app.engine.plugging import plug_in  # noqa: PLC0415
     from app.feature_search import find_features  # noqa: PLC0415
