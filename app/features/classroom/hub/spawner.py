@@ -8,6 +8,7 @@ import time
 from functools import partial
 from pathlib import Path
 from typing import Any
+from urllib.parse import urlsplit
 
 from jupyterhub.spawner import SimpleLocalProcessSpawner
 from jupyterhub.utils import random_port
@@ -59,7 +60,9 @@ class StudentSpawner(SimpleLocalProcessSpawner):
         if not self.warm:
             return await super().start()
         memory = int(self.mem_limit or 0)
-        confined = Confinement(str(self._folder.path), str(home), self.user.id, memory)
+        hub_port = urlsplit(self.hub.api_url).port or 80
+        place = str(self._folder.path)
+        confined = Confinement(place, str(home), self.user.id, memory, self.port, hub_port)
         words = [*self.cmd[3:], *self.get_args()]
         request = CopyRequest(words, self.get_env(), str(home), confined)
         self.request = request.to_json()

@@ -8,6 +8,9 @@ import subprocess
 import sys
 from pathlib import Path
 
+import anyio.to_thread
+from anyio.abc import TaskGroup
+
 from app.features.classroom.class_folder import ClassFolder
 
 FILE = "my_filter.py"
@@ -61,3 +64,29 @@ def grade(folder: ClassFolder, logins: list[str]) -> Path:
     if not result.is_file():
         raise RuntimeError((done.stderr or done.stdout).strip()[-500:] or "nothing was graded")
     return result
+
+
+class Results:
+    """The newest results of a class; grading goes on while the wall answers."""
+
+    def __init__(self, tasks: TaskGroup) -> None:
+        self._tasks = tasks
+        self._grading = False
+        self.file: Path | None = None
+        """The results; None while they are made, and before."""
+        self.failure = ""
+
+    def begin(self, folder: ClassFolder, logins: list[str]) -> None:
+        """Begin to collect and grade, unless that is being done."""
+        self.file, self.failure = None, ""
+        if not self._grading:
+            self._grading = True
+            self._tasks.start_soon(self._grade, folder, logins)
+
+    async def _grade(self, folder: ClassFolder, logins: list[str]) -> None:
+        try:
+            self.file = await anyio.to_thread.run_sync(grade, folder, logins)
+        except (RuntimeError, OSError, subprocess.SubprocessError) as error:
+            self.failure = f"grading failed: {error}"
+        finally:
+            self._grading = False

@@ -10,7 +10,6 @@ from typing import Annotated, Any
 from urllib.parse import unquote, urlsplit
 
 import anyio
-import anyio.to_thread
 import uvicorn
 from fastapi import FastAPI, HTTPException, Response
 from fastapi.responses import FileResponse
@@ -20,7 +19,7 @@ from starlette.staticfiles import StaticFiles
 from app.features.classroom.class_desk import LONGEST_MESSAGE
 from app.features.classroom.hub_client import HubClient, HubEnvironment
 from app.features.classroom.sign_in import Sessions, SignIn
-from app.features.classroom.wall.collecting import grade
+from app.features.classroom.wall.collecting import Results
 from app.features.classroom.wall.followed import FollowedServer
 from app.features.classroom.wall.wall import Wall, class_folder_of
 from app.features.reverse_proxy.below_path import BelowPath
@@ -66,14 +65,14 @@ def wall_app(wall: Wall, hub: HubClient) -> FastAPI:
     """Return the application of a wall, behind the hub's sign-in."""
 
     @asynccontextmanager
-    async def lifespan(_app: FastAPI) -> AsyncIterator[None]:
+    async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         async with anyio.create_task_group() as tasks:
             tasks.start_soon(wall.run)
+            app.state.results = Results(tasks)
             yield
             tasks.cancel_scope.cancel()
 
     app = FastAPI(title="BrickPose: wall", lifespan=lifespan, docs_url=None, redoc_url=None)
-    grading = anyio.Lock()
 
     @app.get("/")
     def page() -> FileResponse:
@@ -120,16 +119,19 @@ def wall_app(wall: Wall, hub: HubClient) -> FastAPI:
     async def start() -> dict[str, int]:
         return {"started": await wall.start_all()}
 
-    @app.post("/api/collect")
-    async def collect() -> FileResponse:
+    @app.post("/api/collect", status_code=202)
+    async def collect() -> None:
         if wall.folder is None:
             raise HTTPException(409, "the students' folders are not on this machine")
-        async with grading:
-            try:
-                file = await anyio.to_thread.run_sync(grade, wall.folder, list(wall.names))
-            except (RuntimeError, OSError) as error:
-                raise HTTPException(409, str(error)) from error
-        return FileResponse(file, media_type="text/csv", filename="results.csv")
+        app.state.results.begin(wall.folder, list(wall.names))
+
+    @app.get("/api/results.csv")
+    async def results() -> Response:
+        if app.state.results.failure:
+            raise HTTPException(409, app.state.results.failure)
+        if app.state.results.file is None:  # a proxy would not wait until all are graded
+            return Response(status_code=202)
+        return FileResponse(app.state.results.file, media_type="text/csv", filename="results.csv")
 
     app.mount("/static", StaticFiles(directory=PAGE), name="static")
     app.add_middleware(SameOriginOnly, names=frozenset({"localhost"}))

@@ -35,7 +35,11 @@ class Confinement:
     number: int
     """The student's number in the hub; as root, each has a user of the system's of this number."""
     memory: int
-    """Most memory of its processes together [bytes]; 0 is no limit."""
+    """Most memory of each of its processes [bytes]; 0 is no limit."""
+    own_port: int
+    """The TCP port that it listens on."""
+    hub_port: int
+    """The only other one that it reaches."""
 
 
 @dataclass(frozen=True)

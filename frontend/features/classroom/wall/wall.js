@@ -139,9 +139,18 @@ byId("field").onsubmit = (/** @type {SubmitEvent} */ event) => {
 byId("collect").onclick = async () => {
   byId("collect").disabled = true;
   tell("Grading …");
-  const answer = await order("collect");
+  let answer = await order("collect");
+  while (answer?.status === 202) {
+    tell("Grading …");
+    await new Promise((resolve) => setTimeout(resolve, EVERY_MS));
+    answer = await fetch("api/results.csv", { cache: "no-store" }).catch(() => null);
+  }
   byId("collect").disabled = false;
-  if (!answer) return;
+  if (!answer?.ok) {
+    if (answer) tell((await answer.json().catch(() => ({}))).detail ?? "Grading failed.");
+    return;
+  }
+  tell("");
   const link = document.createElement("a");
   link.href = URL.createObjectURL(await answer.blob());
   link.download = "results.csv";
