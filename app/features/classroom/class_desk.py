@@ -18,6 +18,7 @@ from starlette.responses import JSONResponse, PlainTextResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from app.features.classroom.sign_in import VISITOR
+from app.features.classroom.sleep import Sleeper
 from app.page.token_guard import CODE
 from app.page.tokens import Role
 
@@ -70,8 +71,11 @@ class ClassState:
 class ClassDesk:
     """Stands between the sign-in and the student's server."""
 
-    def __init__(self, app: ASGIApp, owner: str, prefix: str, state: ClassState) -> None:
+    def __init__(
+        self, app: ASGIApp, owner: str, prefix: str, state: ClassState, sleeper: Sleeper
+    ) -> None:
         """Keep a desk for ``owner``, whose server is below ``prefix``."""
+        self._sleeper = sleeper
         self._app = app
         self._owner = owner
         self._path = f"{prefix}{ADDRESS}"
@@ -80,12 +84,22 @@ class ClassDesk:
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer what is for the desk; pass on all else with what its sender may do."""
         if VISITOR not in scope:
-            await self._app(scope, receive, send)
+            try:
+                await self._app(scope, receive, send)
+            finally:
+                self._sleeper.wake()  # it has to hear that the server ends
             return
         owns = scope[VISITOR].name == self._owner
         if scope["type"] == "http" and scope["path"] == self._path:
             await (await self._answer(Request(scope, receive), owns=owns))(scope, receive, send)
             return
+        if scope[VISITOR].is_service:
+            await self._app({**scope, CODE: False}, receive, send)
+            return
+        with self._sleeper.looked():
+            await self._pass(scope, receive, send, owns=owns)
+
+    async def _pass(self, scope: Scope, receive: Receive, send: Send, *, owns: bool) -> None:
         frozen = owns and self._state.frozen
         scope = {**scope, CODE: owns and not frozen, ROLE: Role.WATCH if frozen else Role.DRIVE}
         if scope["type"] == "websocket" and owns:
@@ -97,7 +111,8 @@ class ClassDesk:
 
     async def _answer(self, request: Request, *, owns: bool) -> Response:
         if request.method == "GET":
-            return JSONResponse(self._state.to_json(), headers={"Cache-Control": "no-store"})
+            told = self._state.to_json() | {"asleep": self._sleeper.asleep}
+            return JSONResponse(told, headers={"Cache-Control": "no-store"})
         if request.method != "POST":
             return PlainTextResponse("valid are GET and POST", 405)
         body = b""

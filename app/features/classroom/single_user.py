@@ -8,10 +8,14 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from urllib.parse import unquote, urlsplit
 
+from fastapi import APIRouter
+
+from app.engine.program import Program
 from app.feature import Feature, NewGate, Panel
 from app.features.classroom.class_desk import ClassDesk, ClassState
 from app.features.classroom.hub_client import HubClient, HubEnvironment
 from app.features.classroom.sign_in import Sessions, SignIn
+from app.features.classroom.sleep import Sleeper
 from app.features.course.learn_command import learn
 from app.settings.config import FRONTEND, Config
 
@@ -33,19 +37,26 @@ def serve_user(
     parsed.host, parsed.port = place.hostname or "127.0.0.1", place.port or 8888
     parsed.root_path = hub.prefix
     parsed.no_token = True  # the hub knows who comes
+    sleeper = Sleeper()
     desk = Feature(
         name="class",
         about="visitors sign in at the hub, and the teacher's wall has a say",
-        gates=(lambda _config: _gates(HubClient(hub)),),
+        gates=(lambda _config: _gates(HubClient(hub), sleeper),),
+        routers=(lambda program: _watched(program, sleeper),),
         panels=(Panel("desk", "Class", FRONTEND / "features" / "classroom" / "panel.js"),),
     )
     parsed.features = parsed.features.adding(desk)
     return learn(parsed, config_from(parsed))
 
 
-def _gates(hub: HubClient) -> Iterator[NewGate]:
+def _watched(program: Program, sleeper: Sleeper) -> APIRouter:
+    sleeper.watch(program)
+    return APIRouter()
+
+
+def _gates(hub: HubClient, sleeper: Sleeper) -> Iterator[NewGate]:
     own = hub.environment
     # Paths are decoded where they arrive.
     path = unquote(own.prefix)
-    yield partial(ClassDesk, owner=own.user, prefix=path, state=ClassState())
+    yield partial(ClassDesk, owner=own.user, prefix=path, state=ClassState(), sleeper=sleeper)
     yield partial(SignIn, hub=hub, sessions=Sessions())

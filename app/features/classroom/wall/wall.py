@@ -99,6 +99,7 @@ class Wall:
             "frozen": desk.get("frozen", False),
             "message": desk.get("message", ""),
             "hand": desk.get("hand", False),
+            "asleep": desk.get("asleep", False),
         }
 
     async def of_each(

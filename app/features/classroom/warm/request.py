@@ -19,6 +19,8 @@ READY_S = 60.0
 """Time for the warm parent to be warm [s]: it imports everything, and steps two robots."""
 ANSWER_S = 10.0
 LONGEST = 1 << 20
+SMALL = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "MALLOC_ARENA_MAX": "1"}
+"""Threads of libraries would not be in a copy; and glibc gives each thread a heap of its own."""
 
 
 class WarmParentError(BrickPoseError, OSError):
@@ -95,7 +97,7 @@ def start_parent(place: Path) -> None:
         process = subprocess.Popen(
             [sys.executable, "-m", "app.features.classroom.warm.parent", str(place)],
             stdin=subprocess.DEVNULL, stdout=out, stderr=out, start_new_session=True,
-            env=os.environ | {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"},
+            env=os.environ | SMALL,
         )  # fmt: skip
     end = time.monotonic() + READY_S
     while not _answers(place):

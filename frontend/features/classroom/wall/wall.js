@@ -9,7 +9,7 @@ const RADIUS = 0.06;
  * @typedef {{login: string, name: string, awake: boolean, pending: boolean, url?: string,
  *   map?: string, truth?: Pose | null, estimate?: Pose | null, mode?: string,
  *   integrity?: {state: string, radius: number | null} | null, extent?: number[] | null,
- *   frozen?: boolean, message?: string, hand?: boolean}} Tile
+ *   frozen?: boolean, message?: string, hand?: boolean, asleep?: boolean}} Tile
  */
 
 /** @param {string} id @returns {any} */
@@ -35,11 +35,11 @@ async function order(path, body = {}) {
 }
 
 /** @param {Tile} tile */
-function words({ awake, pending, integrity, frozen: held, mode }) {
+function words({ awake, pending, integrity, frozen: held, mode, asleep }) {
   if (!awake) return pending ? "starting" : "not here";
   if (!integrity) return "waiting";
   const radius = integrity.radius === null ? "" : ` ± ${Math.round(integrity.radius * 1000)} mm`;
-  return [`${integrity.state}${radius}`, mode === "idle" ? "" : mode, held ? "frozen" : ""]
+  return [`${integrity.state}${radius}`, mode === "idle" ? "" : mode, asleep ? "asleep" : "", held ? "frozen" : ""]
     .filter(Boolean).join(", ");
 }
 

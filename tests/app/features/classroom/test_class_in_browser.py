@@ -110,8 +110,8 @@ def test_no_student_enters_the_wall_or_another_ones_robot(served, ada):
 def test_a_server_that_is_killed_is_there_again_with_its_files(served, ada):
     pid = _server_of(served.folder / "students" / "ada-lovelace")
     os.kill(pid, signal.SIGKILL)
-    ada.wait_for_function("!window.brickpose.connected")
-    ada.wait_for_function("window.brickpose.connected && window.brickpose.telemetry.estimate")
+    ada.wait_for_function("!window.brickpose?.connected")
+    ada.wait_for_function("window.brickpose?.connected && window.brickpose?.telemetry?.estimate")
     assert _server_of(served.folder / "students" / "ada-lovelace") != pid
     assert (served.folder / "students" / "ada-lovelace" / "my_filter.py").is_file()
 

@@ -15,6 +15,7 @@ from starlette.responses import JSONResponse
 from app.features.classroom.class_desk import ClassDesk, ClassState
 from app.features.classroom.hub_client import HubEnvironment, HubError, Visitor
 from app.features.classroom.sign_in import CHECK_S, SESSION, STATE, VISITOR, Sessions, SignIn
+from app.features.classroom.sleep import Sleeper
 from app.page.token_guard import may_run_code, role_in
 from robot.settings import SettingError
 
@@ -115,7 +116,7 @@ def app(hub, clock, state):
         }  # fmt: skip
         await JSONResponse(told)(scope, receive, send)
 
-    desk = ClassDesk(server, owner="ada", prefix=PREFIX, state=state)
+    desk = ClassDesk(server, owner="ada", prefix=PREFIX, state=state, sleeper=Sleeper())
     return SignIn(desk, hub, Sessions(clock))
 
 
@@ -234,7 +235,7 @@ def test_who_is_frozen_loses_open_sockets_so_that_they_come_back_as_watchers(hub
         await asyncio.Event().wait()
 
     async def run() -> None:
-        desk = ClassDesk(server, owner="ada", prefix=PREFIX, state=state)
+        desk = ClassDesk(server, owner="ada", prefix=PREFIX, state=state, sleeper=Sleeper())
         app = SignIn(desk, hub, Sessions(clock))
         accepted = asyncio.Event()
 
