@@ -10,6 +10,7 @@ from __future__ import annotations
 import argparse
 import itertools
 import json
+import math
 import os
 import statistics
 import sys
@@ -35,7 +36,7 @@ AWAKE_S = 20.0
 QUIET_S = 20.0
 
 
-class Student:
+class StudentClient:
     """A student's browser, as far as servers notice it."""
 
     def __init__(self, address: str, login: str, key: str) -> None:
@@ -52,10 +53,12 @@ class Student:
         end = time.monotonic() + PATIENCE_S
         self._opener.open(self._link, timeout=PATIENCE_S).close()
         while time.monotonic() < end:
-            with suppress(HTTPError):
-                with self._opener.open(self._page, timeout=PATIENCE_S) as answer:
-                    if "/hub/" not in answer.url:
-                        return
+            with (
+                suppress(HTTPError),
+                self._opener.open(self._page, timeout=PATIENCE_S) as answer,
+            ):
+                if "/hub/" not in answer.url:
+                    return
             time.sleep(0.02)
         raise TimeoutError(f"{self.login}'s page does not come")
 
@@ -75,12 +78,12 @@ class Student:
         with self.socket("api/live?rate=30") as live:
             first = None
             for text in live:
-                told = json.loads(text)
-                if told["type"] != "telemetry" or told["truth"] is None:
+                message = json.loads(text)
+                if message["type"] != "telemetry" or message["truth"] is None:
                     continue
-                first = first or told["truth"]
-                moved = abs(told["truth"]["x"] - first["x"]) + abs(told["truth"]["y"] - first["y"])
-                if moved > MOVED_M:
+                first = first or message["truth"]
+                place = message["truth"]
+                if math.dist((place["x"], place["y"]), (first["x"], first["y"])) > MOVED_M:
                     return
                 live.send(json.dumps({"type": "drive", "v": 0.15, "omega": 0.3}))
 
@@ -91,15 +94,15 @@ class Student:
             drain.start()
             sent, number = time.monotonic(), 0
             while not ended.is_set():
-                told: dict[str, Any] = json.loads(live.recv(timeout=PATIENCE_S))
-                if told["type"] in ("ack", "error"):
-                    if told["id"] == number:
+                message: dict[str, Any] = json.loads(live.recv(timeout=PATIENCE_S))
+                if message["type"] in ("ack", "error"):
+                    if message["id"] == number:
                         delays.append(time.monotonic() - sent)
                     continue
                 number, sent = number + 1, time.monotonic()
                 drive = {"type": "drive", "v": 0.1, "omega": 0.8, "id": number}
                 live.send(json.dumps(drive))
-                stamps.append(float(told["stamp"]))
+                stamps.append(float(message["stamp"]))
             drain.join(PATIENCE_S)
 
 
@@ -117,7 +120,8 @@ def main() -> int:
     options = parser.parse_args()
     with _class(options.students, options.port) as (address, folder):
         keys = json.loads((folder / "keys.json").read_text())
-        students = [Student(address, name, key) for name, key in keys.items() if name != "teacher"]
+        logins = [login for login in keys if login != "teacher"]
+        students = [StudentClient(address, login, keys[login]) for login in logins]
         before = _processes(folder)
         opened = []
         for student in students:
@@ -137,12 +141,14 @@ def main() -> int:
     return 0
 
 
-def _awake(students: list[Student], own: list[int]) -> None:
+def _awake(students: list[StudentClient], own: list[int]) -> None:
     ended = threading.Event()
     delays: list[float] = []
     stamps: dict[str, list[float]] = {student.login: [] for student in students}
     with ThreadPoolExecutor(len(students)) as pool:
-        running = [pool.submit(student.stay, ended, delays, stamps[student.login]) for student in students]
+        running = [
+            pool.submit(student.stay, ended, delays, stamps[student.login]) for student in students
+        ]
         time.sleep(2.0)
         begun, work = time.monotonic(), _seconds(own)
         time.sleep(AWAKE_S)
@@ -156,7 +162,7 @@ def _awake(students: list[Student], own: list[int]) -> None:
     _say("  between two messages of telemetry, p99", _p95(gaps, 0.99) * 1000, "ms")
 
 
-def _asleep(students: list[Student], own: list[int]) -> None:
+def _asleep(students: list[StudentClient], own: list[int]) -> None:
     time.sleep(3.0)
     begun, work = time.monotonic(), _seconds(own)
     time.sleep(QUIET_S)
@@ -181,12 +187,12 @@ def _class(count: int, port: int) -> Iterator[tuple[str, Path]]:
 def _processes(folder: Path) -> list[int]:
     """Return the warm parent and its copies: their command line names the class's folder."""
     wanted = os.fsencode(folder / "warm.sock")
-    found = []
+    pids = []
     for place in Path("/proc").glob("[0-9]*"):
         with suppress(OSError):
             if wanted in (place / "cmdline").read_bytes():
-                found.append(int(place.name))
-    return found
+                pids.append(int(place.name))
+    return pids
 
 
 def _memory(pid: int, kind: str) -> float:
@@ -210,8 +216,8 @@ def _p95(values: list[float], share: float = 0.95) -> float:
     return sorted(values)[min(len(values) - 1, int(share * len(values)))] if values else 0.0
 
 
-def _say(what: str, value: float, unit: str) -> None:
-    sys.stdout.write(f"{what}: {value:.3g} {unit}\n")
+def _say(figure: str, value: float, unit: str) -> None:
+    sys.stdout.write(f"{figure}: {value:.3g} {unit}\n")
     sys.stdout.flush()
 
 

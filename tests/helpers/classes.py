@@ -50,7 +50,9 @@ class RunningClass:
         page.goto(self.link(login))
         page.wait_for_url(f"**/user/{login}/learn/1")
         page.goto(f"{self.address}/user/{login}/")
-        page.wait_for_function("window.brickpose?.connected && window.brickpose?.telemetry?.estimate")
+        page.wait_for_function(
+            "window.brickpose?.connected && window.brickpose?.telemetry?.estimate"
+        )
         return page
 
 

@@ -12,6 +12,7 @@ import socket
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 from urllib.parse import urlsplit
@@ -38,9 +39,10 @@ PACKAGES = {
 CURE = "python -m pip install 'brickpose[class]'"
 WORSE_AFTER_S = 10.0
 MOST_FAILURES = 3
-END_S = 15.0
+END_S, HUB_END_S = 4.0, 5.0
+"""Servers and hub are killed that have not ended after so long [s]."""
 READY_S, LOOK_S = 60.0, 0.2
-CONFIG = '''\
+CONFIG = """\
 # Written anew at each start of `brickpose class`; docs/classroom.md has what each line means.
 from app.features.classroom.hub.configuration import configure
 
@@ -53,7 +55,7 @@ configure(
     idle_s={idle},
     notebook={notebook},
 )
-'''
+"""
 
 
 class ClassError(BrickPoseError, RuntimeError):
@@ -90,9 +92,7 @@ def _check_options(parsed: argparse.Namespace) -> None:
     limits = {"port": (1, 65532), "memory": (300, 1_000_000), "idle": (1, 100_000)}
     for name, (low, high) in limits.items():
         if not low <= getattr(parsed, name) <= high:
-            raise SettingError(
-                f"--{name} is {getattr(parsed, name)}; valid are {low} to {high}"
-            )
+            raise SettingError(f"--{name} is {getattr(parsed, name)}; valid are {low} to {high}")
     address = getattr(parsed, "address", None)
     if address is not None and (
         urlsplit(address).scheme not in ("http", "https") or not urlsplit(address).hostname
@@ -109,10 +109,11 @@ def _check_packages(*, notebook: bool) -> None:
         if importlib.util.find_spec(module) is None:
             raise ClassError(f"the package {package} is missing: {CURE}")
     version = importlib.metadata.version("jupyterhub")
-    found = int(re.match(r"\d*", version)[0] or 0)  # type: ignore[index] # matches anything
-    if not HUB[0] <= found < HUB[1]:
+    installed = int(re.match(r"\d*", version)[0] or 0)  # type: ignore[index] # matches anything
+    if not HUB[0] <= installed < HUB[1]:
         raise ClassError(
-            f"JupyterHub {version} is installed; valid is {HUB[0]} up to, but without, {HUB[1]}: {CURE}"
+            f"JupyterHub {version} is installed; valid is {HUB[0]} up to, but without, {HUB[1]}: "
+            f"{CURE}"
         )
 
 
@@ -184,12 +185,23 @@ def _keep_running(
             say(f"The teacher's wall: {link_of(address, key)}")
             say(f"BrickPose serves {len(students)} students at {address} (Ctrl-C ends it)")
             announced = True
-        process.wait()
+        _wait(process, lambda: ended)
         failures = failures + 1 if time.monotonic() - begun < WORSE_AFTER_S else 0
         if not ended and failures >= MOST_FAILURES:
             raise ClassError(f"JupyterHub ends at once; {log} says why")
     _end_servers(folder)
     return 0
+
+
+def _wait(process: subprocess.Popen[bytes], ended: Callable[[], bool]) -> None:
+    """Wait until the hub has ended; one that was told to and does not is killed."""
+    asked: float | None = None
+    while process.poll() is None:
+        if ended() and asked is None:
+            asked = time.monotonic()
+        if asked is not None and time.monotonic() - asked > HUB_END_S:
+            process.kill()
+        time.sleep(LOOK_S)
 
 
 def _answers(process: subprocess.Popen[bytes], port: int) -> bool:
@@ -208,8 +220,8 @@ def _answers(process: subprocess.Popen[bytes], port: int) -> bool:
 def _environment(*, first: bool) -> dict[str, str]:
     root = str(Path(__file__).parents[3])  # a checkout is not where JupyterHub looks
     path = os.environ.get("PYTHONPATH")
-    found = {"PYTHONPATH": f"{root}{os.pathsep}{path}" if path else root}
-    return os.environ | found | ({"BRICKPOSE_CLASS_STARTS": "1"} if first else {})
+    sources = {"PYTHONPATH": f"{root}{os.pathsep}{path}" if path else root}
+    return os.environ | sources | ({"BRICKPOSE_CLASS_STARTS": "1"} if first else {})
 
 
 def _end_servers(folder: ClassFolder) -> None:

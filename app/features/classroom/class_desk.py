@@ -111,8 +111,8 @@ class ClassDesk:
 
     async def _answer(self, request: Request, *, owns: bool) -> Response:
         if request.method == "GET":
-            told = self._state.to_json() | {"asleep": self._sleeper.asleep}
-            return JSONResponse(told, headers={"Cache-Control": "no-store"})
+            shown = self._state.to_json() | {"asleep": self._sleeper.asleep}
+            return JSONResponse(shown, headers={"Cache-Control": "no-store"})
         if request.method != "POST":
             return PlainTextResponse("valid are GET and POST", 405)
         body = b""

@@ -72,7 +72,7 @@ class ClassFolder:
         return self.homes / login
 
     def keys(self, students: Sequence[Student]) -> dict[str, str]:
-        """Return the key of each student's link, and the teacher's; what is new is drawn and kept."""
+        """Return the keys of all links, the teacher's too; what is new is drawn and kept."""
         known = self.known_keys()
         logins = (TEACHER, *(student.login for student in students))
         keys = {login: known.get(login) or secrets.token_urlsafe(KEY_BYTES) for login in logins}

@@ -65,8 +65,8 @@ class HubEnvironment:
         missing = [name for name in NEEDED if not environment.get(name)]
         if missing:
             raise SettingError(
-                f"{missing[0]} is not in the environment: valid is a start by JupyterHub, version 3 "
-                "or newer (docs/classroom.md); `brickpose class STUDENTS.csv` starts one"
+                f"{missing[0]} is not in the environment: valid is a start by JupyterHub, version "
+                "3 or newer (docs/classroom.md); `brickpose class STUDENTS.csv` starts one"
             )
         api_url, api_token, client, prefix, service, callback, scopes, base = (
             environment[name] for name in NEEDED

@@ -51,18 +51,22 @@ def add_class(command: CommandParser) -> None:
         "--idle", type=int, default=60, metavar="MINUTES", help="a robot unused so long ends (60)"
     )
     command.add_argument(
-        "--notebook", action="store_true", default=False,
-        help="JupyterLab for each student, with the robot in it"
+        "--notebook",
+        action="store_true",
+        default=False,
+        help="JupyterLab for each student, with the robot in it",
     )
     command.add_argument(
-        "--write-only", action="store_true", default=False,
-        help="write configuration and links, and end"
+        "--write-only",
+        action="store_true",
+        default=False,
+        help="write configuration and links, and end",
     )
     command.set_defaults(command=_class)
 
 
 def add_single_user(command: CommandParser) -> None:
-    """Add the options of ``single-user``: those of ``learn``; the hub's environment has the rest."""
+    """Add the options of ``single-user``; the hub's environment has the rest."""
     command.description = (
         "Serve the dashboard and the lessons to one user of a JupyterHub, which starts this as its "
         "single-user server: address, path and sign-in are as the hub's environment says."

@@ -60,14 +60,14 @@ class Sessions:
 
     def begin(self, following: str) -> tuple[str, str]:
         """Note a sign-in that begins; return its state and the challenge of its verifier."""
-        now = self.clock()
+        stamp = self.clock()
         self.attempts = {
             state: each
             for state, each in list(self.attempts.items())[-MOST:]
-            if now - each.begun < SIGN_IN_S
+            if stamp - each.begun < SIGN_IN_S
         }
         state, verifier = secrets.token_urlsafe(24), secrets.token_urlsafe(48)
-        self.attempts[state] = _Attempt(following, verifier, now)
+        self.attempts[state] = _Attempt(following, verifier, stamp)
         digest = hashlib.sha256(verifier.encode()).digest()
         return state, base64.urlsafe_b64encode(digest).rstrip(b"=").decode()
 
@@ -124,8 +124,8 @@ class SignIn:
         else:
             name, token = request.cookies.get(SESSION, ""), ""
         session = self._sessions.known.get(name)
-        now = self._sessions.clock()
-        if session is not None and now - session.checked < CHECK_S:
+        stamp = self._sessions.clock()
+        if session is not None and stamp - session.checked < CHECK_S:
             return session.visitor
         token = token or (session.token if session is not None else "")
         if not token:
@@ -134,7 +134,7 @@ class SignIn:
         if visitor is None:
             self._sessions.known.pop(name, None)
         else:
-            self._sessions.known[name] = _Session(token, visitor, now)
+            self._sessions.known[name] = _Session(token, visitor, stamp)
         return visitor
 
     async def _send_away(self, request: HTTPConnection, receive: Receive, send: Send) -> None:

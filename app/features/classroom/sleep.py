@@ -29,16 +29,16 @@ class Sleeper:
     def __init__(
         self,
         quiet: float = QUIET_S,
-        processes: Callable[[], list[int]] = lambda: _control_processes(),
+        processes: Callable[[], list[int]] | None = None,
     ) -> None:
         """Watch over a robot.
 
         Args:
             quiet: it sleeps after this time without anybody [s].
-            processes: returns the processes that stop and go on.
+            processes: returns the processes that stop and go on; by default control.
         """
         self._quiet = quiet
-        self._processes = processes
+        self._processes = processes or _control_processes
         self._program: Program | None = None
         self._looking = 0
         self._later: asyncio.TimerHandle | None = None

@@ -50,6 +50,7 @@ NAMES = [
     "build_hat",
     "bullet",
     "calibration",
+    "classroom",
     "control",
     "course",
     "grid_filter",

@@ -26,8 +26,8 @@ class LinkAuthenticator(Authenticator):
         """Return whose the key is; None if it is nobody's."""
         given = (data.get("key") or data.get("password") or "").encode()
         keys = ClassFolder(Path(self.folder)).known_keys()
-        found = [login for login, key in keys.items() if hmac.compare_digest(given, key.encode())]
-        return {"name": found[0], "admin": found[0] == TEACHER} if found else None
+        owners = [login for login, key in keys.items() if hmac.compare_digest(given, key.encode())]
+        return {"name": owners[0], "admin": owners[0] == TEACHER} if owners else None
 
     def get_handlers(self, _app: Any) -> list[tuple[str, type[BaseHandler]]]:
         """Return the page that a link opens."""

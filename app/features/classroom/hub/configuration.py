@@ -84,7 +84,12 @@ def _wall(folder: ClassFolder, port: int) -> dict[str, Any]:
 
 
 def _culler(idle_s: int) -> dict[str, Any]:
-    words = ["-m", "jupyterhub_idle_culler", f"--timeout={idle_s}", f"--cull-every={min(idle_s, 60)}"]
+    words = [
+        "-m",
+        "jupyterhub_idle_culler",
+        f"--timeout={idle_s}",
+        f"--cull-every={min(idle_s, 60)}",
+    ]
     return {"name": "idle-culler", "command": [sys.executable, *words]}
 
 

@@ -22,7 +22,7 @@ FIRST_START = "BRICKPOSE_CLASS_STARTS"
 """In the environment of a hub that is not one begun again."""
 MOST_STARTS = 5
 WITHIN_S = 60.0
-"""A server that died so often within this time [s] is left dead: something in its files kills it."""
+"""A server that died so often within this time [s] is left dead: its files may kill it."""
 
 
 class StudentSpawner(SimpleLocalProcessSpawner):
@@ -127,4 +127,3 @@ def _started_at(pid: int) -> float:
     except OSError:
         return 0.0
     return 0.0 if fields[0] == "Z" else float(fields[19])
-

@@ -69,8 +69,9 @@ def grade(folder: ClassFolder, logins: list[str]) -> Path:
 class Results:
     """The newest results of a class; grading goes on while the wall answers."""
 
-    def __init__(self, tasks: TaskGroup) -> None:
-        self._tasks = tasks
+    def __init__(self) -> None:
+        self.tasks: TaskGroup | None = None
+        """Where grading goes on; the server has it as long as it runs."""
         self._grading = False
         self.file: Path | None = None
         """The results; None while they are made, and before."""
@@ -79,9 +80,9 @@ class Results:
     def begin(self, folder: ClassFolder, logins: list[str]) -> None:
         """Begin to collect and grade, unless that is being done."""
         self.file, self.failure = None, ""
-        if not self._grading:
+        if not self._grading and self.tasks is not None:
             self._grading = True
-            self._tasks.start_soon(self._grade, folder, logins)
+            self.tasks.start_soon(self._grade, folder, logins)
 
     async def _grade(self, folder: ClassFolder, logins: list[str]) -> None:
         try:

@@ -89,12 +89,12 @@ class Wall:
         base = {"login": login, "name": name, "pending": login in self._pending}
         if server is None:
             return base | {"awake": False}
-        told, desk = server.telemetry, server.desk
+        telemetry, desk = server.telemetry, server.desk
         shown = ("map", "truth", "estimate", "integrity", "mode", "driver", "twist")
         return base | {
             "awake": True,
             "url": server.address.removeprefix(self._address),
-            **{key: told.get(key) for key in shown},
+            **{key: telemetry.get(key) for key in shown},
             "extent": server.area.get("extent"),
             "frozen": desk.get("frozen", False),
             "message": desk.get("message", ""),
@@ -110,13 +110,13 @@ class Wall:
         """Ask servers at once, all or those named; return each one's answer."""
         answers: dict[str, Any] = {}
 
-        async def one(login: str, server: FollowedServer) -> None:
+        async def ask_one(login: str, server: FollowedServer) -> None:
             answers[login] = await ask(server)
 
         async with anyio.create_task_group() as tasks:
             for login, server in tuple(self._servers.items()):
                 if logins is None or login in logins:
-                    tasks.start_soon(one, login, server)
+                    tasks.start_soon(ask_one, login, server)
         return answers
 
     async def start_all(self) -> int:

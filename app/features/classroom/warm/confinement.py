@@ -1,4 +1,4 @@
-"""Holds a student's server before it serves: own folder alone, limits, and as root a user of its own.
+"""``confine`` holds a student's server before it serves: files, ports, processes and limits.
 
 Its children (control, workers, whatever a student's model starts) are held with it. Code that the
 grader runs is in the course's own, narrower sandbox besides.

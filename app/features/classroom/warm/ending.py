@@ -18,22 +18,23 @@ def end_copies(place: Path, seconds: float) -> None:
     """
     for sign in (signal.SIGTERM, signal.SIGKILL):
         end = time.monotonic() + seconds
-        found = _found(place)
-        for pid in found:
+        pids = _processes(place)
+        for pid in pids:
             with suppress(OSError):
                 os.kill(pid, sign)
-        while _found(place) and time.monotonic() < end:
+                os.kill(pid, signal.SIGCONT)  # who sleeps hears nothing
+        while _processes(place) and time.monotonic() < end:
             time.sleep(0.05)
     place.unlink(missing_ok=True)
 
 
-def _found(place: Path) -> list[int]:
+def _processes(place: Path) -> list[int]:
     """Return the processes whose command line is that of the parent: copies keep it."""
     wanted = b"\0".join((b"app.features.classroom.warm.parent", os.fsencode(place)))
-    found = []
+    pids = []
     for folder in Path("/proc").glob("[0-9]*"):
         with suppress(OSError):
             line, state = (folder / "cmdline").read_bytes(), (folder / "stat").read_text()
             if wanted in line and state.rpartition(")")[2].split()[0] != "Z":
-                found.append(int(folder.name))
-    return found
+                pids.append(int(folder.name))
+    return pids

@@ -30,16 +30,30 @@ ALONE_S = 10.0
 LOG = "brickpose.log"
 ROOMS = ("app.engine", "app.page", "app.messages", "app.languages", "app.settings", "app.features")
 COLD = (
-    "app.features.build_hat", "app.features.classroom.hub", "app.features.classroom.warm.parent",
-    "app.features.lab", "app.features.ros.dds", "app.features.course.lessons",
-    "app.languages.extraction", "app.languages.update",
-)  # fmt: skip
+    "app.features.build_hat",
+    "app.features.classroom.hub",
+    "app.features.classroom.warm.parent",
+    "app.features.lab",
+    "app.features.ros.dds",
+    "app.features.course.lessons",
+    "app.languages.extraction",
+    "app.languages.update",
+)
 """Rooms that servers of students do not enter."""
 LATE = (
-    "anyio._backends._asyncio", "encodings.idna", "pydantic.v1", "rich.console", "app.__main__", "app.command_line", "app.tools.doctor.finding",
-    "uvicorn.lifespan.on", "uvicorn.protocols.http.h11_impl",
-    "uvicorn.protocols.websockets.websockets_sansio_impl", "viser.infra", "websockets.asyncio.server",
-)  # fmt: skip
+    "anyio._backends._asyncio",
+    "app.__main__",
+    "app.command_line",
+    "app.tools.doctor.finding",
+    "encodings.idna",
+    "pydantic.v1",
+    "rich.console",
+    "uvicorn.lifespan.on",
+    "uvicorn.protocols.http.h11_impl",
+    "uvicorn.protocols.websockets.websockets_sansio_impl",
+    "viser.infra",
+    "websockets.asyncio.server",
+)
 """What libraries import only when they serve."""
 
 
@@ -98,9 +112,8 @@ def _become(request: CopyRequest) -> None:
         confine(request.confinement)
         _use_log(Path(request.folder, LOG))
         sys.argv = ["brickpose", *request.words]
-        from app.__main__ import main  # noqa: PLC0415 - imported before the fork
-
-        code = main()
+        # By its name: it is above this room.
+        code = importlib.import_module("app.__main__").main()
     except SystemExit as end:
         code = end.code if isinstance(end.code, int) else 1
     except BaseException:
@@ -127,10 +140,10 @@ def _import_all() -> None:
         warnings.simplefilter("ignore")
         for room in ROOMS:
             package = importlib.import_module(room)
-            for found in pkgutil.walk_packages(package.__path__, f"{room}."):
-                if not found.name.startswith(COLD):
+            for module in pkgutil.walk_packages(package.__path__, f"{room}."):
+                if not module.name.startswith(COLD):
                     with suppress(ImportError):  # of another system, or not installed
-                        importlib.import_module(found.name)
+                        importlib.import_module(module.name)
         for name in LATE:
             importlib.import_module(name)
 

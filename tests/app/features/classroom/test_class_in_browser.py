@@ -56,6 +56,7 @@ def test_the_teacher_freezes_both_and_lets_them_go_on(wall, ada, juergen):
     wall.locator("#freeze").click()
     for page in (ada, juergen):
         expect(page.locator("#class-banner")).to_have_count(0)
+        expect(page.locator("body")).not_to_contain_text("this link only watches")
     ada.keyboard.down("w")
     ada.wait_for_function(DRIVES)
     ada.keyboard.up("w")

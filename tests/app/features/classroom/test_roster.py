@@ -27,7 +27,7 @@ BOTH = (Student("Lovelace, Ada", "lovelace-ada"), Student("Jürgen Groß", "juer
         '\ufeffname,group\r\n"Lovelace, Ada",7a\r\nJürgen Groß,7b\r\n',
         "Group;Name\n7a;Lovelace, Ada\n\n7b; Jürgen  Groß \n",
         "name\tgroup\nLovelace, Ada\t1\nJürgen Groß\t2",
-        "Name\n\"Lovelace, Ada\"\nJürgen Groß".encode("cp1252"),
+        'Name\n"Lovelace, Ada"\nJürgen Groß'.encode("cp1252"),
     ],
     ids=["one a line", "commas, with a mark", "semicolons", "tabs", "Windows"],
 )

@@ -138,7 +138,13 @@ def test_a_browser_signs_in_and_comes_back_to_the_page_that_it_asked_for(browser
     assert cookie.path == PREFIX
     assert "HttpOnly" in cookie._rest
     told = browser.open(f"{PREFIX}learn/3").json()
-    assert told == {"who": "ada", "role": "drive", "code": True, "host": "localhost", "origin": None}
+    assert told == {
+        "who": "ada",
+        "role": "drive",
+        "code": True,
+        "host": "localhost",
+        "origin": None,
+    }
 
 
 def test_another_student_is_refused_and_who_only_asks_is_not_sent_away(browser, hub):
@@ -211,7 +217,9 @@ def test_a_frozen_student_only_watches_and_the_teacher_still_drives(browser, sta
 
 
 def test_a_student_raises_a_hand_and_gives_no_orders(browser, state):
-    assert browser.ask(f"{PREFIX}classroom", "POST", headers=ADA, json={"hand": True}).json()["hand"]
+    assert browser.ask(f"{PREFIX}classroom", "POST", headers=ADA, json={"hand": True}).json()[
+        "hand"
+    ]
     for wrong in ({"frozen": False}, {"message": "all go home"}, {}):
         answer = browser.ask(f"{PREFIX}classroom", "POST", headers=ADA, json=wrong)
         assert answer.status_code == 422
