@@ -49,9 +49,6 @@ OURS = {
             "robot.localization.particles.particle_filter:ParticleFilter.of",
             has_particles=True,
         ),
-        FilterKind(
-            "kalman", "robot.localization.kalman_filter:KalmanFilter.of", has_sensor_model=False
-        ),
     )
 }
 FILTERS = Offered(OURS, lambda: OURS | {kind.name: kind for kind in added().filters})

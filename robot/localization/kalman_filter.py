@@ -17,7 +17,7 @@ from robot.geometry import (
 )
 from robot.localization.estimate import Hypothesis, Standing
 from robot.localization.filter import Cloud, Setup
-from robot.localization.models.motion_models import MotionModel, loosened
+from robot.localization.models.motion_models import MotionModel, follow, loosened
 from robot.localization.scan_matching import GATE_SDS, ScanMatcher
 from robot.scan import Scan, rays_of
 
@@ -185,21 +185,6 @@ def matcher_of(setup: Setup) -> ScanMatcher:
     return ScanMatcher(
         setup.field.edge_index, sensor.laser_max_range, sd, GATE_SDS * sd, sensor.sigma_slope
     )
-
-
-def follow(pose: Pose2, covariance: Array, moved: Pose2, noise: Array) -> tuple[Pose2, Array]:
-    """Carry a pose with its covariance over a step: G Sigma G^T + V M V^T.
-
-    Args:
-        covariance: Sigma (3, 3), the pose's covariance [m, m, rad].
-        moved: the step, seen from its start.
-        noise: M (3, 3), the covariance of the step's end, seen from its start.
-    """
-    turned = Pose2(theta=pose.theta).apply(moved.to_array()[None, :2])[0]
-    G = np.array([[1, 0, -turned[1]], [0, 1, turned[0]], [0, 0, 1]])
-    c, s = np.cos(pose.theta), np.sin(pose.theta)
-    V = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
-    return pose @ moved, _symmetric(G @ covariance @ G.T + V @ noise @ V.T)
 
 
 def _inverse(matrix: Array) -> Array:

@@ -68,13 +68,15 @@ def _edge_width(picture: Grey, seen: Sighting, board: Board) -> tuple[float, flo
     moved blurs those across its way.
     """
     widths, distances = [], []
+    # Edges of a blurred picture are wider than those that are allowed.
+    farthest = 2.5 * max(BLURRED_PX, BLURRED * seen.size[0])
     for step in (1, board.inner[0]):
         ends = np.array(list(pairs(seen, board, step)))
         if not len(ends):
             continue
         along = ends[:, 1] - ends[:, 0]
         apart = np.hypot(*along.T)
-        reach = np.clip(SHARE * apart, 3, 15)[:, None] * np.linspace(-1, 1, 41)
+        reach = np.clip(SHARE * apart, 3, farthest)[:, None] * np.linspace(-1, 1, 41)
         normal = np.column_stack([-along[:, 1], along[:, 0]]) / apart[:, None]
         points = ends.mean(axis=1)[:, None] + reach[:, :, None] * normal[:, None]
         across = tones(picture, points.reshape(-1, 2)).reshape(reach.shape)

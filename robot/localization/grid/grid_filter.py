@@ -13,8 +13,7 @@ from robot.localization.estimate import Hypothesis, Standing
 from robot.localization.filter import Cloud, Setup
 from robot.localization.grid.grid_motion import moved_grid
 from robot.localization.grid.pose_grid import Boxes, PoseGrid, cloud_grid, even_grid, normal_grid
-from robot.localization.kalman_filter import follow
-from robot.localization.models.motion_models import MotionModel, loosened
+from robot.localization.models.motion_models import MotionModel, follow, loosened
 from robot.localization.models.sensor_models import SensorModel, count_rays
 from robot.localization.particles.clusters import Cells, find_clusters
 from robot.localization.particles.resampling import effective_sample_size, low_variance

@@ -12,8 +12,7 @@ from robot.geometry import Array, Pose2
 from robot.localization.estimate import Hypothesis
 from robot.localization.filter import Cloud, Filter, Setup
 from robot.localization.hypotheses.track import Track, TrackFilter
-from robot.localization.kalman_filter import follow
-from robot.localization.models.motion_models import MotionModel
+from robot.localization.models.motion_models import MotionModel, follow
 from robot.localization.particles.clusters import Cells, find_clusters
 
 LEAST_VARIANCE = np.diag(np.square([0.005, 0.005, 0.02]))

@@ -168,3 +168,19 @@ class MotionParameters:
         """Return the chosen model with these parameters."""
         model, settings = MODELS[self.robot_model_type]
         return model(*(getattr(self, name) for name in settings))
+
+
+def follow(pose: Pose2, covariance: Array, moved: Pose2, noise: Array) -> tuple[Pose2, Array]:
+    """Carry a pose with its covariance over a step: G Sigma G^T + V M V^T.
+
+    Args:
+        covariance: Sigma (3, 3), the pose's covariance [m, m, rad].
+        moved: the step, seen from its start.
+        noise: M (3, 3), the covariance of the step's end, seen from its start.
+    """
+    turned = Pose2(theta=pose.theta).apply(moved.to_array()[None, :2])[0]
+    G = np.array([[1, 0, -turned[1]], [0, 1, turned[0]], [0, 0, 1]])
+    c, s = np.cos(pose.theta), np.sin(pose.theta)
+    V = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+    moved_covariance = G @ covariance @ G.T + V @ noise @ V.T
+    return pose @ moved, (moved_covariance + moved_covariance.T) / 2

@@ -40,7 +40,7 @@ pictures 30.5 % are certain and 0.7 % misleading; half: 29.8 and 0.6; twice: 33.
 JUMP, JUMP_TURN = 0.04, 0.2
 """A pose farther than this from the one that odometry predicts is another place [m], [rad]. Half
 and twice the distance: nothing changes beyond chance."""
-JOLT, JOLT_TURN = 0.006, 0.08
+JOLT, JOLT_TURN = 0.006, 0.02
 """A pose that leaves the one predicted by odometry between two pictures by more than this, and by
 more than its spread and slipping wheels explain, contradicts odometry [m], [rad]. Half of either:
 found again after 1.3 s instead of 1.1; twice: nothing changes of robots that begin scattered, but
@@ -267,7 +267,9 @@ class Monitor:
         variances = (last.covariance + hypothesis.covariance).diagonal()
         way = SLIPS * math.hypot(moved.x, moved.y) + SPREADS * math.hypot(*np.sqrt(variances[:2]))
         turn = SLIPS * abs(moved.theta) + SPREADS * math.sqrt(variances[2])
-        return math.hypot(offset.x, offset.y) > JOLT + way or abs(offset.theta) > JOLT_TURN + turn
+        # Wheels that slip already may turn the robot by more from one picture to the next.
+        jolt = JOLT_TURN * max(float(self._odometry.errors.rest[2]), 1.0)
+        return math.hypot(offset.x, offset.y) > JOLT + way or abs(offset.theta) > jolt + turn
 
     def _looseness(self, findings: Findings) -> float:
         rest = findings.odometry.rest

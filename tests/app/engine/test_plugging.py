@@ -316,7 +316,7 @@ def test_a_filter_of_another_package_follows_the_robot():
 
 def test_a_filter_that_nobody_offers_is_refused():
     plug_in(Features())
-    with pytest.raises(SettingError, match=r"filter is 'grid'; valid are hypotheses, particles, k"):
+    with pytest.raises(SettingError, match=r"filter is 'grid'; valid are hypotheses, particles"):
         FilterParameters(filter="grid")
 
 

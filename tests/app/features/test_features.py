@@ -55,6 +55,7 @@ NAMES = [
     "course",
     "grid_filter",
     "interface",
+    "kalman_filter",
     "kept_pose",
     "lab",
     "mapping",

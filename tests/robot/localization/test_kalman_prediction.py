@@ -10,7 +10,7 @@ from hypothesis.extra.numpy import arrays
 from stub_drive import DEFAULTS, draw_poses
 
 from robot.geometry import Array, Pose2, mean_pose, pose_covariance
-from robot.localization.kalman_filter import follow
+from robot.localization.models.motion_models import follow
 
 MOTION = DEFAULTS.motion.model()
 finite = st.floats(-1, 1)
