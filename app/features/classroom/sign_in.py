@@ -110,7 +110,7 @@ class SignIn:
             await _refuse(403, words, scope, receive, send)
         else:
             # The name by which it is called is the hub's: who comes is known otherwise.
-            await self._app(under_own_name(scope) | {VISITOR: visitor}, receive, send)
+            await self._app({**under_own_name(scope), VISITOR: visitor}, receive, send)
 
     def _may_enter(self, visitor: Visitor) -> bool:
         access = self._hub.environment.access_scopes

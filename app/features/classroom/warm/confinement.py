@@ -138,7 +138,8 @@ def _fence(held: Confinement) -> bool:
 
 
 def _readable() -> set[Path]:
-    paths = {*sys.path, sys.prefix, sys.base_prefix, str(ROOT), numba.config.CACHE_DIR, *SYSTEM}
+    cache = getattr(numba.config, "CACHE_DIR", "")
+    paths = {*sys.path, sys.prefix, sys.base_prefix, str(ROOT), cache, *SYSTEM}
     return {Path(path) for path in paths if path and os.path.exists(path)}  # noqa: PTH110 - False where it may not look
 
 
