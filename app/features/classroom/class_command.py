@@ -22,7 +22,7 @@ from app.console import say
 from app.features.classroom.class_folder import ClassFolder
 from app.features.classroom.links_page import link_of, write_links
 from app.features.classroom.roster import TEACHER, Student, read_roster
-from app.features.classroom.warm.ending import end_copies
+from app.features.classroom.warm.ending import end_copies, end_services
 from app.features.classroom.warm.request import WarmParentError, start_parent
 from app.files import atomic_file
 from app.page.address import own_address
@@ -186,6 +186,7 @@ def _keep_running(
             say(f"BrickPose serves {len(students)} students at {address} (Ctrl-C ends it)")
             announced = True
         _wait(process, lambda: ended)
+        end_services(folder.path, END_S)
         failures = failures + 1 if time.monotonic() - begun < WORSE_AFTER_S else 0
         if not ended and failures >= MOST_FAILURES:
             raise ClassError(f"JupyterHub ends at once; {log} says why")

@@ -53,7 +53,7 @@ def configure(
     if notebook:
         c.Spawner.default_url = "/lab"
     c.JupyterHub.concurrent_spawn_limit = 0
-    c.JupyterHub.services = [_culler(idle_s), _wall(place, port)]
+    c.JupyterHub.services = [_culler(place, idle_s), _wall(place, port)]
     c.JupyterHub.load_roles = [_CULLING, _WALL]
 
 
@@ -83,14 +83,16 @@ def _wall(folder: ClassFolder, port: int) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _culler(idle_s: int) -> dict[str, Any]:
+def _culler(folder: ClassFolder, idle_s: int) -> dict[str, Any]:
     words = [
         "-m",
         "jupyterhub_idle_culler",
         f"--timeout={idle_s}",
         f"--cull-every={min(idle_s, 60)}",
     ]
-    return {"name": "idle-culler", "command": [sys.executable, *words]}
+    environment = {"BRICKPOSE_CLASS": str(folder.path)}
+    command = [sys.executable, *words]
+    return {"name": "idle-culler", "command": command, "environment": environment}
 
 
 def proxy_command() -> list[str]:

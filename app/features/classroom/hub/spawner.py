@@ -51,18 +51,18 @@ class StudentSpawner(SimpleLocalProcessSpawner):
 
     async def start(self) -> tuple[str, int]:
         """Start the server; return where it listens."""
-        if self.port == 0:
-            self.port = random_port()
+        port = int(getattr(self, "port", 0)) or random_port()
+        self.port = port
         home = Path(self._default_home_dir())
         home.mkdir(mode=0o700, exist_ok=True)
         (home / ".tmp").mkdir(mode=0o700, exist_ok=True)
         self.home_dir = str(home)
         if not self.warm:
-            return await super().start()
+            return await self._start_cold()
         memory = int(self.mem_limit or 0)
         hub_port = urlsplit(self.hub.api_url).port or 80
         place = str(self._folder.path)
-        confined = Confinement(place, str(home), self.user.id, memory, self.port, hub_port)
+        confined = Confinement(place, str(home), self.user.id, memory, port, hub_port)
         words = [*self.cmd[3:], *self.get_args()]
         request = CopyRequest(words, self.get_env(), str(home), confined)
         self.request = request.to_json()
@@ -70,8 +70,12 @@ class StudentSpawner(SimpleLocalProcessSpawner):
             await self._copy()
         except NotWarmError as error:
             self.log.warning("%s's server starts cold: %s", self.user.name, error)
-            return await super().start()
-        return self.ip or "127.0.0.1", self.port
+            return await self._start_cold()
+        return str(self.ip or "127.0.0.1"), port
+
+    async def _start_cold(self) -> tuple[str, int]:
+        host, port = await super().start()
+        return str(host), int(port)
 
     async def _copy(self) -> None:
         place = self._folder.warm_socket
@@ -85,7 +89,8 @@ class StudentSpawner(SimpleLocalProcessSpawner):
     async def poll(self) -> int | None:
         """Return None while it runs; a copy that has died by itself is begun again, as it was."""
         if self.proc is not None or not self.request:
-            return await super().poll()
+            status: int | None = await super().poll()
+            return status
         if self.pid and _started_at(self.pid) == self.started_at:
             return None
         often = len(self.starts) >= MOST_STARTS and time.monotonic() - self.starts[0] < WITHIN_S
@@ -103,7 +108,8 @@ class StudentSpawner(SimpleLocalProcessSpawner):
     def get_state(self) -> dict[str, Any]:
         """Return what a hub that is started again has to know."""
         kept = {"started_at": self.started_at, "request": self.request}
-        return super().get_state() | (kept if self.pid else {})
+        state: dict[str, Any] = super().get_state()
+        return state | (kept if self.pid else {})
 
     def load_state(self, state: dict[str, Any]) -> None:
         """Take over a server of a hub that has died; those of an earlier lesson were ended."""

@@ -1,10 +1,11 @@
-"""Ends a warm parent and all of its copies."""
+"""Ends what a class has started: the warm parent with all of its copies, and the hub's services."""
 
 from __future__ import annotations
 
 import os
 import signal
 import time
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
@@ -16,25 +17,39 @@ def end_copies(place: Path, seconds: float) -> None:
         place: the parent's socket, which the command lines of parent and copies name.
         seconds: they get so long before they are killed.
     """
-    for sign in (signal.SIGTERM, signal.SIGKILL):
-        end = time.monotonic() + seconds
-        pids = _processes(place)
-        for pid in pids:
-            with suppress(OSError):
-                os.kill(pid, sign)
-                os.kill(pid, signal.SIGCONT)  # who sleeps hears nothing
-        while _processes(place) and time.monotonic() < end:
-            time.sleep(0.05)
+    wanted = b"\0".join((b"app.features.classroom.warm.parent", os.fsencode(place)))
+    _end(lambda folder: wanted in (folder / "cmdline").read_bytes(), seconds)
     place.unlink(missing_ok=True)
 
 
-def _processes(place: Path) -> list[int]:
-    """Return the processes whose command line is that of the parent: copies keep it."""
-    wanted = b"\0".join((b"app.features.classroom.warm.parent", os.fsencode(place)))
+def end_services(folder: Path, seconds: float) -> None:
+    """End the services of a class's hub: where it was killed, they go on with tokens of the past.
+
+    Args:
+        folder: the class's, which their environment names.
+        seconds: they get so long before they are killed.
+    """
+    wanted = b"BRICKPOSE_CLASS=" + os.fsencode(folder) + b"\0"
+    _end(lambda process: wanted in (process / "environ").read_bytes(), seconds)
+
+
+def _end(is_one: Callable[[Path], bool], seconds: float) -> None:
+    for sign in (signal.SIGTERM, signal.SIGKILL):
+        end = time.monotonic() + seconds
+        for pid in _processes(is_one):
+            with suppress(OSError):
+                os.kill(pid, sign)
+                os.kill(pid, signal.SIGCONT)  # who sleeps hears nothing
+        while _processes(is_one) and time.monotonic() < end:
+            time.sleep(0.05)
+
+
+def _processes(is_one: Callable[[Path], bool]) -> list[int]:
+    """Return the processes that a function of their folder in ``/proc`` chooses."""
     pids = []
     for folder in Path("/proc").glob("[0-9]*"):
         with suppress(OSError):
-            line, state = (folder / "cmdline").read_bytes(), (folder / "stat").read_text()
-            if wanted in line and state.rpartition(")")[2].split()[0] != "Z":
+            state = (folder / "stat").read_text().rpartition(")")[2].split()[0]
+            if state != "Z" and int(folder.name) != os.getpid() and is_one(folder):
                 pids.append(int(folder.name))
     return pids

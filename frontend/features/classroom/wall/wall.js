@@ -62,7 +62,7 @@ function show(tile) {
   article.dataset.awake = String(tile.awake);
   article.dataset.hand = String(Boolean(tile.hand));
   article.dataset.frozen = String(Boolean(tile.frozen));
-  /** @type {HTMLElement} */ (article.querySelector(".hand")).textContent = tile.hand ? "✋" : "";
+  /** @type {HTMLElement} */ (article.querySelector(".hand")).textContent = tile.hand ? "hand up" : "";
   /** @type {HTMLElement} */ (article.querySelector("p")).textContent = words(tile);
   const link = /** @type {HTMLAnchorElement} */ (article.querySelector("a"));
   link.hidden = !tile.url;

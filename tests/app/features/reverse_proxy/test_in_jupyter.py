@@ -39,7 +39,8 @@ def jupyter(tmp_path_factory):
     (port,) = free_ports(1)
     words = [
         "--no-browser", "--allow-root", f"--port={port}", f"--IdentityProvider.token={TOKEN}",
-        "--ServerApp.jpserver_extensions={'jupyter_server_proxy': True}", f"--notebook-dir={folder}",
+        "--ServerApp.jpserver_extensions={'jupyter_server_proxy': True}",
+        f"--notebook-dir={folder}",
     ]  # fmt: skip
     paths = os.pathsep.join((str(folder), str(ROOT)))
     environment = os.environ | {"PYTHONPATH": paths, "JUPYTER_CONFIG_DIR": str(folder)}
