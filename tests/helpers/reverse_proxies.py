@@ -1,25 +1,27 @@
-"""A real reverse proxy before a program: JupyterHub's, of npm."""
+"""A real reverse proxy before a program: JupyterHub's, of npm or in Python."""
 
 from __future__ import annotations
 
+import importlib.util
 import json
 import os
 import shutil
 import socket
 import subprocess
+import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from urllib.request import Request, urlopen
 
 import pytest
-from node_peers import MODULES
 
 NAME = "configurable-http-proxy"
-OWN = MODULES / "node_modules" / ".bin" / NAME
-COMMAND = str(OWN) if OWN.exists() else shutil.which(NAME)
+IN_PYTHON = importlib.util.find_spec(NAME.replace("-", "_")) is not None
+START = "from configurable_http_proxy.cli import main; main()"
+COMMAND = [sys.executable, "-c", START] if IN_PYTHON else [shutil.which(NAME)]
 needs_proxy = pytest.mark.skipif(
-    COMMAND is None, reason=f"{NAME} is not there; `make node-peers` gets it"
+    COMMAND == [None], reason=f"{NAME} is not there; `python -m pip install {NAME}` gets it"
 )
 START_S = 30.0
 
@@ -39,10 +41,19 @@ def free_ports(count: int) -> list[int]:
 def proxied(path: str, target: str, *, strips: bool) -> Iterator[str]:
     """The address of a program behind a proxy, below a path that the proxy keeps or takes away."""
     port, own = free_ports(2)
-    words = ["--ip", "127.0.0.1", "--port", str(port), "--api-port", str(own), "--log-level=error"]
+    words = [
+        "--ip",
+        "127.0.0.1",
+        "--port",
+        str(port),
+        "--api-port",
+        str(own),
+        "--log-level",
+        "error",
+    ]
     words += ["--no-include-prefix"] if strips else []
     process = subprocess.Popen(
-        [str(COMMAND), *words], env=os.environ | {"CONFIGPROXY_AUTH_TOKEN": "of-the-test"}
+        [*map(str, COMMAND), *words], env=os.environ | {"CONFIGPROXY_AUTH_TOKEN": "of-the-test"}
     )
     try:
         _route(f"http://127.0.0.1:{own}/api/routes{path}", target)
