@@ -145,7 +145,10 @@ class SignIn:
             await _refuse(401, "Sign in first: open your link.", scope, receive, send)
             return
         query = f"?{request.url.query}" if request.url.query else ""
-        state, challenge = self._sessions.begin(quote(scope["path"]) + query)
+        path = quote(scope["path"])
+        # Any other could lead to another site, as //evil.example does.
+        following = path + query if path.startswith(self._prefix) else self._prefix
+        state, challenge = self._sessions.begin(following)
         asked = urlencode({
             "client_id": self._hub.environment.client_id, "response_type": "code",
             "redirect_uri": self._hub.environment.callback, "state": state,

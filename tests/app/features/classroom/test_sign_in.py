@@ -147,6 +147,10 @@ def test_a_browser_signs_in_and_comes_back_to_the_page_that_it_asked_for(browser
     }
 
 
+def test_nobody_is_led_to_another_site(browser, hub):
+    assert browser.sign_in(hub, "ada's", "//evil.example/x").headers["location"] == PREFIX
+
+
 def test_another_student_is_refused_and_who_only_asks_is_not_sent_away(browser, hub):
     assert browser.ask(f"{PREFIX}api/state").status_code == 401
     browser.sign_in(hub, "bo's")
