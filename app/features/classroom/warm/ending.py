@@ -18,7 +18,7 @@ def end_copies(place: Path, seconds: float) -> None:
         seconds: they get so long before they are killed.
     """
     wanted = b"\0".join((b"app.features.classroom.warm.parent", os.fsencode(place)))
-    _end(lambda folder: wanted in (folder / "cmdline").read_bytes(), seconds)
+    _end(lambda folder: wanted in _command(folder), seconds)
     place.unlink(missing_ok=True)
 
 
@@ -31,6 +31,25 @@ def end_services(folder: Path, seconds: float) -> None:
     """
     wanted = b"BRICKPOSE_CLASS=" + os.fsencode(folder) + b"\0"
     _end(lambda process: wanted in (process / "environ").read_bytes(), seconds)
+
+
+def end_proxy(folder: Path, seconds: float) -> None:
+    """End the hub's proxy, if a hub that was killed has left it.
+
+    Args:
+        folder: the class's, which has its number.
+        seconds: it gets so long before it is killed.
+    """
+    try:
+        pid = (folder / "proxy.pid").read_text().strip()
+    except OSError:
+        return
+    name = b"configurable"  # the number may be another one's by now
+    _end(lambda process: process.name == pid and name in _command(process), seconds)
+
+
+def _command(process: Path) -> bytes:
+    return (process / "cmdline").read_bytes()
 
 
 def _end(is_one: Callable[[Path], bool], seconds: float) -> None:
