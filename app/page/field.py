@@ -16,6 +16,7 @@ from app.messages.answers import (
 )
 from app.page.parameters import parameter_messages
 from app.page.profile import RayError, profile
+from app.page.shown_floor import shown_floor
 from app.page.telemetry import field_message
 from app.settings.field_names import listed_fields
 
@@ -26,7 +27,7 @@ def field_router(program: Program) -> APIRouter:
     """Serve the field, the parameters, and what the scanner saw along a ray."""
     router = APIRouter()
     smallest = (cv2.IMWRITE_PNG_COMPRESSION, 9)  # a third of the usual size
-    _, picture = cv2.imencode(".png", program.field.floor.image, smallest)
+    _, picture = cv2.imencode(".png", shown_floor(program.field), smallest)
     png = picture.tobytes()
 
     @router.get("/api/field")

@@ -20,6 +20,7 @@ from robot.fields.edges import lengths, sample
 from robot.fields.floor_picture import Extent, FloorPicture, coverage
 from robot.fields.occupancy_grid import MAX_CELLS, OccupancyGrid
 from robot.fields.ray_casting import cast_rays
+from robot.fields.unseen_floor import UnseenFloor
 from robot.fields.visibility import Visibility, visibility
 from robot.geometry import Array, Pose2
 from robot.scanning.tape import Tape
@@ -67,6 +68,8 @@ class Field:
     """The ROS map that the field comes from; None if the field is of tape."""
     notes: Mapping[str, str] = field(default_factory=dict, repr=False)
     """Attributes ``data-...`` of its drawing, which a feature may read."""
+    seen: tuple[Array, ...] = field(default=(), repr=False)
+    """Outlines (n, 2) [m] of the floor that was looked at; () if all of the floor is known."""
 
     def __post_init__(self) -> None:
         if self.edges.ndim != 2 or self.edges.shape[1] != 4 or not len(self.edges):
@@ -85,6 +88,11 @@ class Field:
     def normals(self) -> Array:
         """Unit vectors (n, 2) across the edges, away from the tape."""
         return edge_geometry.normals(self.edges)
+
+    @cached_property
+    def unseen(self) -> UnseenFloor:
+        """The floor that nobody has looked at."""
+        return UnseenFloor.beyond(self.seen)
 
     @cached_property
     def edge_index(self) -> EdgeIndex:

@@ -10,7 +10,8 @@ Fills belong to the floor picture only. They give the floor its tone. On a light
 is clutter**: the camera sees it, and the edge map does not contain it.
 
 ``data-start="x y theta"`` (mm, mm, degrees; y up) on the ``<svg>`` is the start pose;
-``data-tape="50"`` says how wide the tape is, where one could doubt it (``question``).
+``data-tape="50"`` says how wide the tape is, where one could doubt it (``question``). A map that
+was drawn by driving has ``data-seen``: which of the floor was looked at.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ import math
 from functools import lru_cache
 from pathlib import Path
 
+import numpy as np
 import shapely
 
 from robot.fields.drawing.coats import coats_of
@@ -32,7 +34,8 @@ from robot.fields.drawn_tape import DrawnTape, drawn_tape
 from robot.fields.edges import outline
 from robot.fields.field import Field, FieldError
 from robot.fields.floor_picture import Extent, paint
-from robot.geometry import Pose2
+from robot.fields.unseen_floor import SEEN
+from robot.geometry import Array, Pose2
 
 TOLERANCE_MM = 0.08
 """Tolerance of flattened curves [mm], so that they stay within 0.1 mm after all rounding."""
@@ -98,6 +101,7 @@ def _painted(page: Page, name: str) -> Field:
         tape=tape.kinds,
         start=_start(page.start),
         notes=page.notes,
+        seen=_seen(page.notes.get(SEEN, "")),
     )
 
 
@@ -142,3 +146,16 @@ def _start(text: str) -> Pose2:
         raise SvgError(f"data-start is {shown(text)}; valid are x [mm], y [mm], theta [degrees]")
     x, y, degrees = values
     return Pose2(x / 1000, y / 1000, math.radians(degrees))
+
+
+def _seen(text: str) -> tuple[Array, ...]:
+    outlines = []
+    for part in text.split(";") if text.strip() else ():
+        values = numbers(part)
+        if values is None or len(values) < 6 or len(values) % 2:
+            raise SvgError(
+                f"{SEEN} has {shown(part)}; valid are x and y [mm] of three corners or more, and "
+                "a semicolon between outlines"
+            )
+        outlines.append(np.array(values).reshape(-1, 2) / 1000)
+    return tuple(outlines)

@@ -4,7 +4,9 @@ Particles are weighed by where rays end. To distinguish two places that look muc
 should be seen and is not has to count as well. So each ray is cast, as in the beam model
 (Probabilistic Robotics, Table 6.1). Edges that the line scanner may miss are left out: edges nearer
 or farther than the picture shows, tape that a ray meets close to its end, and edges at which the
-scanner's own rules find no tape (``robot.fields.visibility``).
+scanner's own rules find no tape (``robot.fields.visibility``). Where a ray runs over floor that
+nobody has looked at, tape is neither due nor forbidden: it says as much as at a place that fits
+badly, and nothing if it does not return.
 """
 
 from __future__ import annotations
@@ -19,6 +21,7 @@ from robot.compiling import compiled
 from robot.fields.edge_index import EdgeIndex
 from robot.fields.field import Field
 from robot.fields.ray_casting import cast_toward
+from robot.fields.unseen_floor import UnseenFloor, seen_until
 from robot.fields.visibility import Visibility
 from robot.geometry import Array, Pose2
 from robot.scanning.tape_edges import GAP
@@ -40,7 +43,10 @@ scanner must see the whole width of the tape."""
 BACKGROUND_LOSS, BACKGROUND_MISS_LOSS = 1.8, 0.2
 """Loss of a ray's log-likelihood at a place that fits badly. A ray that returned is compared with
 an exact fit (the loss is that of 1.9 standard deviations). A ray that did not return is compared
-with a place where no edge is expected. Half: nothing changes beyond chance; twice: two of ten
+with a place where no edge is expected. A ray that returned from floor that nobody has looked at
+loses as much, so it says nothing: with a loss of 0.3 instead of 1.8, robots are certain in 77
+instead of 15 % of pictures where a sixth of *stub* was never drawn, but also certain of a wrong
+place in 4 % where most of *town* was not. Half: nothing changes beyond chance; twice: two of ten
 places are not found (``--few``)."""
 END = 0.06
 """Closer than this to its end [m], tape may be missed and the edge behind it seen instead."""
@@ -49,6 +55,10 @@ ACROSS = 0.06
 
 ROUNDED = 1e-6
 """More than sums of log-likelihoods differ by rounding."""
+
+AT_BORDER = 0.06
+"""Tape that ends the seen floor, and was not drawn, may be this much nearer than its border [m].
+Half: nothing changes; twice: certain in 87 instead of 100 % in a map of *tee* that has gaps."""
 
 _MET_X, _MET_Y, _SEEN, _THING, _HIT = range(5)
 """Columns of what rays meet (n, 5): where the ray meets the expected edge [m]; 0 if the ray meets
@@ -69,13 +79,15 @@ class RayEvidence(NamedTuple):
     """Standard deviation of a near range [m]."""
     slope: float = 0.0
     """Growth of that deviation with a range r, as 1 + slope r^2 [1/m²]."""
+    unseen: UnseenFloor = UnseenFloor.beyond(())
+    """Floor on which nobody knows what is due."""
     missed: float = MISSED
     """Likelihood of no return where an edge is expected; with 1, misses would not count."""
 
     @classmethod
     def of(cls, field: Field, range_max: float, sd: float, slope: float = 0.0) -> RayEvidence:
         """Return the evidence for the edges of a field."""
-        return cls(field.edge_index, field.visibility, range_max, sd, slope)
+        return cls(field.edge_index, field.visibility, range_max, sd, slope, field.unseen)
 
     def log_peaks(self, ranges: Array) -> Array:
         """Return the log-likelihoods (n,) of ranges (n,) that fit the expected edges exactly."""
@@ -153,9 +165,13 @@ def _log_likelihood(
         y = pose[1] + s * rays[i, column.X] + c * rays[i, column.Y] + near * dy
         reach = min(rays[i, column.FAR], range_max) - near
         thing = rays[i, column.HIDDEN_FROM] - near, rays[i, column.HIDDEN_TO] - near
-        due, behind = _look((x, y), (dx, dy), reach, thing, index, sight, met, i)
+        known = seen_until(x, y, dx, dy, reach, evidence.unseen)
+        due, behind = _look((x, y), (dx, dy), reach, known, thing, index, sight, met, i)
         if math.isfinite(rays[i, column.RANGE]):
-            met[i, _HIT] = _log_hit(rays, i, due, behind, rays[i, column.CLEAR], evidence)
+            if math.isinf(due) and rays[i, column.RANGE] - near > known - AT_BORDER:
+                met[i, _HIT] = peaks[i] - BACKGROUND_LOSS
+            else:
+                met[i, _HIT] = _log_hit(rays, i, due, behind, rays[i, column.CLEAR], evidence)
             reachable += met[i, _HIT] - peaks[i]
         if reachable < least:
             return -np.inf
@@ -176,6 +192,7 @@ def _look(
     start: tuple[float, float],
     way: tuple[float, float],
     reach: float,
+    known: float,
     thing: tuple[float, float],
     index: EdgeIndex,
     sight: Visibility,
@@ -184,16 +201,17 @@ def _look(
 ) -> tuple[float, float]:
     """Write what a ray meets into row ``i`` of ``met`` (n, 5), without its hit.
 
-    It is followed as far as ``reach`` [m]; from where to where on it a ``thing`` was seen is in
-    metres as well. Returns the distance of the expected edge [m], infinite without one; and that of
-    the edge behind it, if the expected edge may be missed, else infinite.
+    It is followed as far as ``reach`` [m], but not beyond the ``known`` floor [m]; from where to
+    where on it a ``thing`` was seen is in metres as well. Returns the distance of the expected edge
+    [m], infinite without one; and that of the edge behind it, if the expected edge may be missed,
+    else infinite.
     """
     x, y = start
     dx, dy = way
     covered = thing[0] < thing[1] and not _is_drawn(start, way, thing, index, sight.inward)
     if covered:
         met[i, _THING] = 1.0
-    due, edge = cast_toward(x, y, dx, dy, index, reach)
+    due, edge = cast_toward(x, y, dx, dy, index, min(reach, known))
     if edge < 0:
         return due, math.inf
     met[i, _MET_X], met[i, _MET_Y] = x + due * dx, y + due * dy

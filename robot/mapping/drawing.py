@@ -7,6 +7,7 @@ from xml.sax.saxutils import escape
 
 import numpy as np
 
+from robot.fields.unseen_floor import SEEN
 from robot.geometry import Array, Pose2
 from robot.mapping.joining import EndName
 from robot.mapping.strokes import Stroke
@@ -21,7 +22,9 @@ FLOORS = {(False,): "#d7d5cf", (True,): "#3a3c40", (False, True): "#6e6e6b"}
 tape only if it differs that much from the floor (``drawn_tape``)."""
 
 
-def drawing(tidy: TidyStrokes, width: float, start: Pose2, title: str) -> str:
+def drawing(
+    tidy: TidyStrokes, width: float, start: Pose2, title: str, seen: Sequence[Array] = ()
+) -> str:
     """Return the text of an SVG, in millimetres.
 
     Args:
@@ -29,6 +32,7 @@ def drawing(tidy: TidyStrokes, width: float, start: Pose2, title: str) -> str:
         width: of the tape [m].
         start: where the robot starts, in the map.
         title: for people.
+        seen: outlines (n, 2) of the floor that was looked at [m]; all of it if there is none.
     """
     points = 1e3 * np.vstack([stroke.points for stroke in tidy.strokes])
     low, high = np.floor(points.min(axis=0)) - MARGIN_MM, np.ceil(points.max(axis=0)) + MARGIN_MM
@@ -36,11 +40,12 @@ def drawing(tidy: TidyStrokes, width: float, start: Pose2, title: str) -> str:
     left, top, across, down = low[0], -high[1], high[0] - low[0], high[1] - low[1]
     begin = f"{1e3 * start.x:g} {1e3 * start.y:g} {np.degrees(start.theta):g}"
     shades = tuple(sorted({stroke.light for stroke in tidy.strokes}))
+    looked = f' {SEEN}="{"; ".join(map(_outline, seen))}"' if seen else ""
     groups = "\n".join(_group(tidy, light, width) for light in shades)
     return f"""\
 <svg xmlns="http://www.w3.org/2000/svg" width="{across:g}mm" height="{down:g}mm" \
 viewBox="{left:g} {top:g} {across:g} {down:g}" data-start="{begin}" \
-data-tape="{1e3 * width:g}">
+data-tape="{1e3 * width:g}"{looked}>
   <title>{escape(title)}</title>
   <rect x="{left:g}" y="{top:g}" width="{across:g}" height="{down:g}" fill="{FLOORS[shades]}"/>
   <!-- Inside, y points up as it does in the map. -->
@@ -108,6 +113,10 @@ def _curve(stroke: Stroke) -> str:
     before, after = places[:-1] + third * slopes[:-1], places[1:] - third * slopes[1:]
     spans = zip(before, after, places[1:], strict=True)
     return "C " + ", ".join(" ".join(_shown(point) for point in span) for span in spans)
+
+
+def _outline(corners: Array) -> str:
+    return " ".join(f"{x:.0f} {y:.0f}" for x, y in 1e3 * corners)
 
 
 def _shown(point: Array) -> str:

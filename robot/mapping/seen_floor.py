@@ -15,11 +15,15 @@ from numpy.typing import NDArray
 from robot.fields.edges import outline
 from robot.fields.floor_picture import coverage
 from robot.fields.occupancy_grid import MAX_CELLS, OCCUPIED, UNKNOWN, OccupancyGrid
+from robot.fields.unseen_floor import MOST_CELLS, SIDE
 from robot.geometry import Array, Pose2
 from robot.mapping.ends import RaysOnFloor
 
 MARGIN = 0.05
 """Unknown floor around all that was seen [m]."""
+ROUGH = 0.7
+"""How far an outline may run beside its cells' middles, in cells. Half and twice: a robot in a map
+of *tee* that has gaps is as well localized."""
 FRACTION_BITS = 4
 """Corners of polygons are rounded to a sixteenth of a cell."""
 
@@ -50,6 +54,19 @@ class SeenFloor:
             if len(whole):
                 cv2.fillPoly(seen, [whole], 1, shift=FRACTION_BITS)
         return seen > 0
+
+    def outlines(self) -> tuple[Array, ...]:
+        """Return the outlines (n, 2) of all seen floor [m]; one within another is of a hole."""
+        points = np.vstack(self.polygons)
+        low, size = points.min(axis=0) - 2 * SIDE, np.ptp(points, axis=0) + 4 * SIDE
+        side = max(SIDE, math.sqrt(float(np.prod(size)) / MOST_CELLS))
+        columns, rows = np.ceil(size / side).astype(int).tolist()
+        cells = self.cells(Pose2(*low.tolist()), side, (rows, columns)).astype(np.uint8)
+        # Rays end at tape, and leave it open.
+        closed = cv2.morphologyEx(cells, cv2.MORPH_CLOSE, np.ones((5, 5), np.uint8))
+        contours, _ = cv2.findContours(closed, cv2.RETR_CCOMP, cv2.CHAIN_APPROX_NONE)
+        simple = [cv2.approxPolyDP(contour, ROUGH, True)[:, 0] for contour in contours]
+        return tuple(low + (each + 0.5) * side for each in simple if len(each) > 2)
 
 
 def occupancy(lines: Sequence[Array], width: float, seen: SeenFloor, side: float) -> OccupancyGrid:

@@ -234,7 +234,8 @@ class TapeMap:
 
     def drawing(self, title: str) -> str:
         """Return the map as an SVG, for ``load_field``."""
-        return drawing(self.tidy, self.measured.width, self.first_pose, title)
+        seen = self.seen.outlines()
+        return drawing(self.tidy, self.measured.width, self.first_pose, title, seen)
 
 
 def steadiness(strokes: Sequence[Stroke]) -> float:

@@ -14,6 +14,7 @@ from numba.core.types import Array, Tuple, UniTuple
 from numba.core.types import NamedTuple as Named
 
 from robot.fields.edge_index import EdgeIndex
+from robot.fields.unseen_floor import UnseenFloor
 from robot.fields.visibility import Visibility
 from robot.localization.monitoring.step_sums import StepSums
 from robot.localization.ray_evidence import RayEvidence
@@ -22,6 +23,7 @@ from robot.localization.scan_matching import ScanMatcher
 _F1, _F2, _F3 = float64[::1], float64[:, ::1], float64[:, :, ::1]
 _I1, _I2 = int64[::1], int64[:, ::1]
 _STEPS = Named((_F2, _F2, _F1, _F1, _F1, _F1, _F1, _F1), StepSums)
+_UNSEEN = Named((uint8[:, ::1], float64, float64, float64), UnseenFloor)
 _TWO, _THREE, _FOUR = UniTuple(float64, 2), UniTuple(float64, 3), UniTuple(float64, 4)
 
 
@@ -52,7 +54,7 @@ _EDGES = Named(
 )
 _VISIBLE = Named((boolean[:, ::1], _I1, boolean[::1], float64, _EDGES), Visibility)
 _MATCHER = Named((_EDGES, float64, float64, float64, float64), ScanMatcher)
-_EVIDENCE = Named((_EDGES, _VISIBLE, float64, float64, float64, float64), RayEvidence)
+_EVIDENCE = Named((_EDGES, _VISIBLE, float64, float64, float64, _UNSEEN, float64), RayEvidence)
 
 FUNCTIONS: tuple[Compiled, ...] = (
     Compiled("robot.localization.kernels.sampling.tempered", (_F1, _F1, float64, float64)),

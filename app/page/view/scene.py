@@ -14,6 +14,7 @@ import numpy as np
 import viser
 
 from app.engine.snapshot import Snapshot
+from app.page.shown_floor import shown_floor
 from app.page.thresholds import LIKELY
 from app.page.view.camera_layer import CameraLayer
 from app.page.view.marks import ESTIMATE, arrow, by_weight, hypothesis_mark, lifted, quaternions
@@ -127,7 +128,7 @@ class Scene:
         xmin, ymin, xmax, ymax = field.floor.extent
         shrink = min(1.0, LARGEST_FLOOR_PX / max(field.floor.image.shape))
         grey = cv2.resize(
-            field.floor.image, None, fx=shrink, fy=shrink, interpolation=cv2.INTER_AREA
+            shown_floor(field), None, fx=shrink, fy=shrink, interpolation=cv2.INTER_AREA
         )
         self._server.scene.add_image(
             "/floor",

@@ -22,7 +22,8 @@ def still(board: Board, width: float = 2600.0) -> tuple[Grey, Array]:
     high, wide = drawn.shape
     ends = np.array([[0, 0], [wide, 0], [wide, high], [0, high]], np.float32)
     slanted = np.array([[0.0, 0.02], [1.0, 0.0], [0.94, 0.72], [0.05, 0.68]]) * width
-    moved = ((*slanted, WIDTH / 2 - width / 2, HEIGHT / 2 - 0.36 * width)).astype(np.float32)
+    corner = np.array([WIDTH / 2 - width / 2, HEIGHT / 2 - 0.36 * width])
+    moved = (slanted + corner).astype(np.float32)
     seen_from_page = cv2.getPerspectiveTransform(ends, moved)
     grey = cv2.warpPerspective(
         drawn, seen_from_page, (WIDTH, HEIGHT), flags=cv2.INTER_LINEAR, borderValue=120
