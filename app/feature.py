@@ -37,6 +37,10 @@ if TYPE_CHECKING:
     from sim.engines import PhysicsEngine
 
 
+NewGate = Callable[[Any], Any]
+"""Makes an ASGI application of the one within, to which it passes what it lets in."""
+
+
 @dataclass(frozen=True)
 class Late:
     """A function by its name, imported when it is first called.
@@ -190,6 +194,9 @@ class Feature:
     models: tuple[NewModels, ...] = ()
     """Each makes models of sensor and motion, ``AddedModels``, which are chosen by name as ours;
     their names must be new."""
+    gates: tuple[Callable[[Config], Iterable[NewGate]], ...] = ()
+    """Each gives what stands before the page's server and sees requests first, as a sign-in; that
+    of the last feature by name comes first of all."""
     outlet: Callable[[Outlets], Outlet] | None = None
     """Makes what runs as long as a program: threads, files, routes, layers of the 3D view, parts of
     telemetry, and what carries out commands outside the engine."""

@@ -11,7 +11,7 @@ from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, ParamSpec, TypeVar
 
-from app.feature import Feature, Guest, Panel
+from app.feature import Feature, Guest, NewGate, Panel
 from app.languages.marking import phrase
 from robot.errors import BrickPoseError, one_line
 from robot.settings import SettingError
@@ -125,13 +125,18 @@ class Features:
         Raises:
             FeatureError: a feature's own code fails; names it.
         """
-        guests: list[Guest] = []
+        return tuple(self._asked(config, lambda feature: feature.guests, Guest))
+
+    def gates(self, config: Config) -> list[NewGate]:
+        """Return what stands before the page's server; raises as ``guests``."""
+        return self._asked(config, lambda feature: feature.gates, Callable)
+
+    def _asked(self, config: Config, hooks: Callable[[Feature], Any], kind: Any) -> list[Any]:
+        asked: list[Any] = []
         for feature in self.active:
             with _named(feature):
-                guests += (
-                    _of_type(Guest, each) for make in feature.guests for each in make(config)
-                )
-        return tuple(guests)
+                asked += (_of_type(kind, each) for make in hooks(feature) for each in make(config))
+        return asked
 
     def routers(self, program: Program) -> tuple[list[APIRouter], list[str]]:
         """Return the routers for a program, and why there are none of some features."""

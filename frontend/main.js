@@ -214,7 +214,7 @@ function drawn(stamp) {
 
 /** Ask what this page's link allows; if it allows nothing any more, say so. */
 async function checkAccess() {
-  const answer = await fetch("/api/access", { cache: "no-store" }).catch(() => null);
+  const answer = await fetch("api/access", { cache: "no-store" }).catch(() => null);
   if (answer?.status === 401) {
     toasts.show(t("This link no longer holds: open the one that the program printed."));
   } else if (answer?.ok) {
@@ -231,12 +231,12 @@ async function loadField(news) {
   calibrated = news.robot.calibrated;
   try {
     /** @type {FieldMessage} */
-    const field = await getJson("/api/field");
+    const field = await getJson("api/field");
     const parts = [topBar, drive, home, problems, tape, camera, plots, fieldPanel.faults];
     for (const part of parts) part.setField(field);
     showFeatures(field.features);
     if (!known) view3d.setField(field);
-    if (!known || floor === null) floor = await loadPicture("/api/field.png");
+    if (!known || floor === null) floor = await loadPicture("api/field.png");
     map.setField(field, floor);
   } catch (error) {
     toasts.show(t("The field could not be read: {error}", { error: sentence(error) }));

@@ -4,12 +4,7 @@ from __future__ import annotations
 
 from app.engine.command_row import CommandRow, TickContext
 from app.engine.program import Program
-from app.messages.driving_commands import (
-    DriveCommand,
-    FigureEightCommand,
-    StopCommand,
-    TakeCommand,
-)
+from app.messages.driving_commands import DriveCommand, FigureEightCommand, StopCommand, TakeCommand
 from robot.errors import CommandError
 from robot.geometry import Twist2
 

@@ -17,6 +17,7 @@ import ipaddress
 import socket
 from urllib.parse import urlsplit
 
+from starlette._utils import get_route_path
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.requests import HTTPConnection
 from starlette.responses import PlainTextResponse
@@ -102,7 +103,7 @@ class SameOriginOnly:
         """Whether a foreign page may come in, if its token is right; a foreign host never."""
         request = HTTPConnection(scope)
         return (
-            scope["path"] in self._inviting
+            get_route_path(scope) in self._inviting
             and "token" in request.query_params
             and self._is_own_host(request.headers.get("host", ""))
         )

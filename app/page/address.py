@@ -12,12 +12,12 @@ def address_of(listening: socket.socket, scheme: str = "http") -> str:
     """Return the page's address on a listening socket."""
     host, port = listening.getsockname()[:2]
     if host in ("0.0.0.0", "::"):
-        host = _own_address()  # a browser cannot open "all addresses"
+        host = own_address()  # a browser cannot open "all addresses"
     shown = f"[{host}]" if ":" in host else host
     return f"{scheme}://{shown}:{port}"
 
 
-def _own_address() -> str:
+def own_address() -> str:
     """Return this machine's address in its network; its name, if there is no network."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         try:

@@ -60,6 +60,8 @@ def new_application(
     names, origins = own_names(config.host), config.allowed_origins
     app.add_middleware(SameOriginOnly, names=names, origins=origins, inviting=inviting)
     _add_page(app, documents)
+    for gate in plugged().features.gates(config):
+        app.add_middleware(gate)
     return app
 
 
@@ -84,7 +86,7 @@ def _add_page(app: FastAPI, documents: Sequence[Path]) -> None:
     for feature, each in panels.items():
         for panel in each:
             folder = _Revalidated(directory=panel.script.parent)
-            app.mount(f"{PANELS}/{feature}/{panel.name}", folder, name=f"panel {panel.name}")
+            app.mount(f"/{PANELS}/{feature}/{panel.name}", folder, name=f"panel {panel.name}")
     app.include_router(language_router())
     app.include_router(documents_router(documents))
 

@@ -36,11 +36,7 @@ def _rows(program: Program) -> list[ParameterMessage]:
     values, defaults = fault_values(settings), fault_values(program.config.sim)
     return [
         parameter_message(
-            "faults",
-            name,
-            describe(getattr(settings, table))[name],
-            values[name],
-            defaults[name],
+            "faults", name, describe(getattr(settings, table))[name], values[name], defaults[name]
         )
         for name, table in TABLES.items()
     ]

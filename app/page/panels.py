@@ -7,7 +7,7 @@ from html import escape
 
 from app.feature import Panel
 
-PANELS = "/panels"
+PANELS = "panels"
 """Below it are the folders of panels' scripts."""
 SECTION = """
   <section id="{id}" class="panel" data-tab="map" data-script="{script}"

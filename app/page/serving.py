@@ -40,10 +40,7 @@ class Server:
     """The web application of one program, with the engine's thread."""
 
     def __init__(
-        self,
-        program: Program,
-        tokens: Tokens | None = None,
-        front: Front = Front(),
+        self, program: Program, tokens: Tokens | None = None, front: Front = Front()
     ) -> None:
         """Prepare to serve; requests need one of the tokens, if there are any."""
         features = plugged().features
@@ -173,10 +170,7 @@ def _successor(program: Program, name: str, field: Field, place: Hypothesis | No
 
 
 def serve_on(
-    program: Program,
-    port: int,
-    tokens: Tokens | None = None,
-    front: Front = Front(),
+    program: Program, port: int, tokens: Tokens | None = None, front: Front = Front()
 ) -> None:
     """Serve one program after the other at the same address, as the page asks for them."""
     following: Program | None = program

@@ -20,12 +20,7 @@ from app.page.thresholds import STALE_S
 from app.page.view.view import View
 
 
-def state_router(
-    program: Program,
-    thread: EngineThread,
-    view: View,
-    outlets: Outlets,
-) -> APIRouter:
+def state_router(program: Program, thread: EngineThread, view: View, outlets: Outlets) -> APIRouter:
     """Serve telemetry, what went wrong, and whether the program works.
 
     Args:
@@ -86,10 +81,7 @@ def state_router(
 
 
 def _health(
-    program: Program,
-    thread: EngineThread,
-    view: View,
-    outlets: Outlets,
+    program: Program, thread: EngineThread, view: View, outlets: Outlets
 ) -> tuple[str, str]:
     latest = program.engine.latest.get()
     if program.engine.failure is not None:

@@ -22,12 +22,7 @@ from app.messages.telemetry import (
     TelemetryMessage,
     TwistMessage,
 )
-from app.page.belief import (
-    estimate_message,
-    filter_message,
-    integrity_message,
-    particles_message,
-)
+from app.page.belief import estimate_message, filter_message, integrity_message, particles_message
 from app.page.outlets import Outlets
 from app.page.thresholds import LONGEST_STEP_M, STALE_S
 from app.page.view.cameras import home

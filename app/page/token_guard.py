@@ -5,7 +5,9 @@ from __future__ import annotations
 import re
 import time
 from collections.abc import Callable, Iterator
+from urllib.parse import quote
 
+from starlette._utils import get_route_path
 from starlette.datastructures import MutableHeaders
 from starlette.requests import HTTPConnection
 from starlette.responses import PlainTextResponse, Response
@@ -109,7 +111,11 @@ class TokenRequired:
         if role is None:
             return self._refusal(request, tokens), Role.WATCH
         reads = request.scope.get("method", "GET") in READING
-        if role is Role.WATCH and not reads and not request.url.path.startswith(LOOKING):
+        if (
+            role is Role.WATCH
+            and not reads
+            and not get_route_path(request.scope).startswith(LOOKING)
+        ):
             return PlainTextResponse("This token only watches.", 403), role
         return None, role
 
@@ -178,12 +184,15 @@ def _cookie_name(request: HTTPConnection, role: Role) -> str:
 
 def _cookie(request: HTTPConnection, token: str, role: Role) -> str:
     secure = "; Secure" if request.url.scheme in ("https", "wss") else ""
-    return f"{_cookie_name(request, role)}={token}; HttpOnly; SameSite=Strict; Path=/{secure}"
+    path = f"{quote(request.scope.get('root_path', ''))}/{secure}"
+    return f"{_cookie_name(request, role)}={token}; HttpOnly; SameSite=Strict; Path={path}"
 
 
 def _no_token(request: HTTPConnection) -> Response:
     headers = {"WWW-Authenticate": 'Bearer realm="BrickPose"', "Cache-Control": "no-store"}
-    if PAGES.fullmatch(request.url.path) and "text/html" in request.headers.get("accept", ""):
+    if PAGES.fullmatch(get_route_path(request.scope)) and "text/html" in request.headers.get(
+        "accept", ""
+    ):
         return page(FRONTEND / "token.html", request, 401, headers)
     return PlainTextResponse(NO_TOKEN, 401, headers)
 

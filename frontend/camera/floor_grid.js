@@ -30,7 +30,7 @@ export class FloorGrid {
   async load() {
     try {
       if (this.#shown) this.#draw = (await import("./grid_drawing.js")).drawGrid;
-      this.#grid = this.#shown ? await getJson("/api/floor-grid") : null;
+      this.#grid = this.#shown ? await getJson("api/floor-grid") : null;
     } catch (error) {
       console.warn("The floor's grid could not be read.", error);
     }

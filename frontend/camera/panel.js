@@ -39,7 +39,7 @@ export class CameraPanel {
     const canvas = find("camera-canvas", HTMLCanvasElement);
     this.surface = new Surface(canvas, () => this.#resized());
     this.refresh = loop.add(() => this.#paint(), { visible: () => this.surface.visible });
-    this.stream = new CameraStream("/api/camera", (picture) => this.#show(picture));
+    this.stream = new CameraStream("api/camera", (picture) => this.#show(picture));
     this.grid = new FloorGrid(() => this.refresh());
     this.#raysButton.onclick = () => this.#toggleRays();
     this.#profileButton.onclick = () => this.#toggleProfile();

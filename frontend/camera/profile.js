@@ -67,7 +67,7 @@ export class RayProfile {
     this.#asking = true;
     try {
       /** @type {ProfileMessage} */
-      const profile = await getJson(`/api/ray/${this.ray}`);
+      const profile = await getJson(`api/ray/${this.ray}`);
       if (profile.ray === this.ray) this.#show(profile);
     } catch (error) {
       setText(this.#words, t("No profile: {error}", { error: sentence(error) }));

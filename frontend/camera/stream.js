@@ -22,7 +22,7 @@ export class CameraStream {
 
   /** @param {string} path @param {(picture: Picture) => void} listener then owns the bitmap */
   constructor(path, listener) {
-    this.address = new URL(path, location.href.replace(/^http/, "ws")).href;
+    this.address = new URL(path, document.baseURI.replace(/^http/, "ws")).href;
     this.listener = listener;
   }
 

@@ -66,7 +66,7 @@ export class Faults {
   /** Read what can be wrong. */
   async read() {
     /** @type {FaultsMessage} */
-    const { faults, conditions } = await getJson("/api/faults");
+    const { faults, conditions } = await getJson("api/faults");
     this.#box.hidden = faults.length === 0;
     this.#conditions = conditions;
     this.#rows.clear();

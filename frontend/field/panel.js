@@ -55,7 +55,7 @@ export class FieldPanel {
     this.#readFaults();
     try {
       /** @type {FieldsMessage} */
-      const { names } = await getJson("/api/fields");
+      const { names } = await getJson("api/fields");
       const options = names.map((value) => make("option", { value }));
       this.#list.replaceChildren(...options);
     } catch (error) {

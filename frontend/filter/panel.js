@@ -95,7 +95,7 @@ export class FilterPanel {
     /** @type {ParameterMessage[]} */
     let parameters;
     try {
-      parameters = await getJson("/api/parameters");
+      parameters = await getJson("api/parameters");
     } catch (error) {
       if (this.#rows.size === 0) setText(this.#list, t("No parameters: {error}", { error: sentence(error) }));
       return;

@@ -139,5 +139,5 @@ function meaning(swatch, name, means) {
 
 /** @param {[string, string]} document */
 function link([name, title]) {
-  return make("li", {}, make("a", { href: `/help/${name}`, target: "_blank" }, title));
+  return make("li", {}, make("a", { href: `help/${name}`, target: "_blank" }, title));
 }

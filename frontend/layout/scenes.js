@@ -106,7 +106,7 @@ export class Scenes {
     const now = this.#now;
     if (!now) return null;
     /** @type {ParameterMessage[]} */
-    const all = await getJson("/api/parameters");
+    const all = await getJson("api/parameters");
     const changed = all.filter(({ value, default: standard }) => value !== standard);
     const known = now.integrity.state === "certain" || now.integrity.state === "approximate";
     return {

@@ -52,7 +52,9 @@ export class AddedPanels {
   /** @param {Element} section @param {HTMLElement} body @param {Program} program */
   async #open(section, body, program) {
     /** @type {{panel: (body: HTMLElement, program: Program) => AddedPanel}} */
-    const script = await import(section.getAttribute("data-script") ?? "");
+    const script = await import(
+      new URL(section.getAttribute("data-script") ?? "", document.baseURI).href
+    );
     const panel = script.panel(body, program);
     if (typeof panel?.show !== "function") throw new Error("panel() returns no show()");
     this.#panels.set(section, panel);

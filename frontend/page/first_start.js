@@ -41,7 +41,7 @@ export class FirstStart {
   async #look() {
     this.#looking = true;
     /** @type {HealthMessage | null} */
-    const health = await getJson("/api/health").catch(() => null);
+    const health = await getJson("api/health").catch(() => null);
     // Between compiling and the robot nobody answers for a moment.
     const between = health === null && this.compiling;
     this.#looking = this.#link !== "open" && (between || Boolean(health?.compiling));

@@ -1,7 +1,7 @@
 // @ts-check
 /**
  * The page's language. English texts stand in the code; the server has translated the HTML before,
- * and has the other texts in `/api/language/CODE.json`.
+ * and has the other texts in `api/language/CODE.json`.
  */
 
 import { PLACE } from "./place.js";
@@ -9,6 +9,8 @@ import { PLACE } from "./place.js";
 /** @typedef {import("../messages").LanguageMessage} LanguageMessage */
 
 const COOKIE = "brickpose-language";
+/** Where the server's addresses begin: its pages are at several depths below. */
+const ROOT = new URL("../../", import.meta.url);
 const YEAR_S = 365 * 24 * 3600;
 
 /** Code of the language, as `de`. */
@@ -61,7 +63,7 @@ export function offerLanguages(list) {
 
 /** Keep a language in this browser, and show the page in it. @param {string} code */
 function choose(code) {
-  document.cookie = `${COOKIE}=${code}; Max-Age=${YEAR_S}; Path=/; SameSite=Strict`;
+  document.cookie = `${COOKIE}=${code}; Max-Age=${YEAR_S}; Path=${ROOT.pathname}; SameSite=Strict`;
   location.reload();
 }
 
@@ -72,7 +74,7 @@ function filled(text, values) {
 
 /** @param {string} code @returns {Promise<LanguageMessage>} English if it cannot be had */
 async function load(code) {
-  const answer = await fetch(`/api/language/${code}.json`).catch(() => null);
+  const answer = await fetch(new URL(`api/language/${code}.json`, ROOT)).catch(() => null);
   return answer?.ok ? answer.json() : ENGLISH;
 }
 

@@ -6,7 +6,7 @@ const YEAR_S = 365 * 24 * 3600;
 const TAB = "brickpose.tab";
 
 /** The live socket's address, with what this page is. @param {"dashboard" | "lesson"} page */
-export const liveAddress = (page) => `/api/live?rate=30&page=${page}&tab=${tab()}`;
+export const liveAddress = (page) => `api/live?rate=30&page=${page}&tab=${tab()}`;
 
 /** What this page's person is called by others; empty if they never said. */
 export function personName() {

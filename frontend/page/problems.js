@@ -93,7 +93,7 @@ export class Problems {
     this.#reason = "";
     try {
       /** @type {HealthMessage} */
-      const { status, detail } = await getJson("/api/health");
+      const { status, detail } = await getJson("api/health");
       if (status !== "ok") this.#reason = detail;
     } catch (error) {
       // A failed program answers with the reason.
@@ -107,7 +107,7 @@ export class Problems {
     let fault = "";
     try {
       /** @type {ProblemsMessage} */
-      const { problems, trace } = await getJson("/api/problems");
+      const { problems, trace } = await getJson("api/problems");
       items = together(problems.reverse()).map(({ stamp, message, times }) => {
         const often = times > 1 ? [" ", make("span", { class: "count" }, t("{count} times", { count: times }))] : [];
         return make("li", {}, make("time", {}, minutes(stamp)), ` ${translated(message)}`, ...often);

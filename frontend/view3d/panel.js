@@ -113,7 +113,7 @@ export class View3d {
   async #look(button) {
     const follows = button.getAttribute("aria-pressed") === "true";
     const look = follows ? "free" : button.dataset.look;
-    const answer = await fetch(`/api/view/${PAGE}/${look}`, { method: "POST" });
+    const answer = await fetch(`api/view/${PAGE}/${look}`, { method: "POST" });
     if (!answer.ok) return;
     for (const other of this.#looks) {
       if (other.dataset.look === "follow") other.setAttribute("aria-pressed", String(look === "follow"));
@@ -137,5 +137,5 @@ function address({ extent: [xmin, ymin, xmax, ymax], view_home }, dark) {
     `initialCameraPosition=${view_home}`,
     `initialCameraLookAt=${(xmin + xmax) / 2},${(ymin + ymax) / 2},0`,
   ];
-  return `/view/${PAGE}/?${[...words, ...(dark ? ["darkMode"] : [])].join("&")}`;
+  return `view/${PAGE}/?${[...words, ...(dark ? ["darkMode"] : [])].join("&")}`;
 }

@@ -49,7 +49,7 @@ export class Connection {
 
   /** @param {string} path of the socket on this server */
   constructor(path) {
-    this.address = new URL(path, location.href.replace(/^http/, "ws")).href;
+    this.address = new URL(path, document.baseURI.replace(/^http/, "ws")).href;
   }
 
   /** Connect, and stay connected as long as the page exists. */

@@ -40,7 +40,10 @@ SPDX = {
     "zlib/libpng License": "Zlib",
 }
 """SPDX names of what packages state in other words."""
-READ = {"vhacdx": "MIT", "numba": "BSD-2-Clause", "import-linter": "BSD-2-Clause"}
+READ = {
+    "vhacdx": "MIT", "numba": "BSD-2-Clause", "import-linter": "BSD-2-Clause",
+    "jupyterhub-idle-culler": "BSD-3-Clause",
+}  # fmt: skip
 """Licences by the text in the package, where its metadata are silent or vague."""
 FITTING = {
     *("0BSD", "Apache-2.0", "Apache-2.0 WITH LLVM-exception", "BSD-2-Clause", "BSD-3-Clause"),

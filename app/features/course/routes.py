@@ -22,6 +22,7 @@ from app.settings.config import FRONTEND
 from robot.settings import SettingError
 
 NO_LESSON = refusal(404, "no such lesson")
+PAGE = FRONTEND / "features" / "course" / "learn.html"
 
 
 def course_router(file: Path, folder: Path | None = None) -> APIRouter:
@@ -36,10 +37,15 @@ def course_router(file: Path, folder: Path | None = None) -> APIRouter:
     router.include_router(student_file_router(file))
 
     @router.get("/learn", include_in_schema=False)
+    def first(request: Request) -> HTMLResponse:
+        answer = page(PAGE, request)
+        know(request, answer)
+        return answer
+
     @router.get("/learn/{number}", include_in_schema=False)
-    def learn(request: Request, number: int = 1) -> HTMLResponse:
+    def learn(request: Request, number: int) -> HTMLResponse:
         _lesson(number, folder)
-        answer = page(FRONTEND / "features" / "course" / "learn.html", request)
+        answer = page(PAGE, request, content={"base": '<base href="../">'})
         know(request, answer)
         return answer
 

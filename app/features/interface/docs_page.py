@@ -41,7 +41,7 @@ def docs_page(openapi: dict[str, Any]) -> str:
         f'<!doctype html><html lang="en"><meta charset="utf-8"><title>{title}: interface</title>',
         '<meta name="viewport" content="width=device-width">',
         f"<style>{STYLE}</style><h1>{title}: interface</h1>",
-        '<p>Over HTTP, described for programs in <a href="/openapi.json">/openapi.json</a>:</p>',
+        '<p>Over HTTP, described for programs in <a href="openapi.json">/openapi.json</a>:</p>',
         _table(("address", "is"), _addresses(openapi)),
         "<p>The WebSocket <code>/api/live</code> sends Telemetry as JSON text and takes the "
         "commands below; each is answered by an Ack or an Error with the same id. Metres, seconds "

@@ -107,7 +107,7 @@ export class CalibrationPanel {
   async #load(key) {
     this.#loaded = key;
     try {
-      this.#known = /** @type {CalibrationMessage} */ (await getJson("/api/calibration"));
+      this.#known = /** @type {CalibrationMessage} */ (await getJson("api/calibration"));
     } catch (error) {
       setText(this.#meaning, t("The calibration could not be read: {error}", { error: sentence(error) }));
       return;

@@ -20,8 +20,8 @@ export class Checks {
     this.told = told;
     this.state = find("state", HTMLElement);
     this.list = find("findings", HTMLElement);
-    const path = `/api/lessons/${number}/checks`;
-    this.address = new URL(path, location.href.replace(/^http/, "ws")).href;
+    const path = `api/lessons/${number}/checks`;
+    this.address = new URL(path, document.baseURI.replace(/^http/, "ws")).href;
   }
 
   /** Follow the file from now on. */
@@ -66,7 +66,7 @@ function entry(finding) {
   picture.innerHTML = finding.picture;
   picture.querySelector("svg")?.setAttribute("aria-label", finding.case);
   const link = finding.link.includes("?")
-    ? [make("a", { class: "button", href: finding.link }, t("See it in the dashboard"))]
+    ? [make("a", { class: "button", href: finding.link.slice(1) }, t("See it in the dashboard"))]
     : [];
   const title = make("h3", {}, finding.symptom, " ", make("code", {}, finding.cause));
   return make("li", {}, title, picture, make("dl", {}, ...parts), ...link);

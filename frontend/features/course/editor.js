@@ -6,7 +6,7 @@ import { getJson, sendJson } from "../../wire/http.js";
 
 /** @typedef {{text: string, version: string}} File */
 
-const ADDRESS = "/api/student_file";
+const ADDRESS = "api/student_file";
 const INDENT = "    ";
 
 /** A plain field for the student's file, for who has no editor; only on the robot's own computer. */

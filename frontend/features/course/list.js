@@ -35,7 +35,7 @@ export class LessonList {
     find("next", HTMLElement).hidden = !next || !this.#passed().has(this.current);
     if (!next) return;
     const link = find("next-link", HTMLAnchorElement);
-    link.href = `/learn/${next.number}`;
+    link.href = `learn/${next.number}`;
     setText(link, t("Next: {number}. {title}", next));
   }
 
@@ -43,7 +43,7 @@ export class LessonList {
   #entry({ number, title }) {
     const passed = this.#passed().has(number);
     const name = passed ? t("{title} (passed)", { title }) : title;
-    const attributes = { href: `/learn/${number}`, title: name, "aria-label": `${number}. ${name}` };
+    const attributes = { href: `learn/${number}`, title: name, "aria-label": `${number}. ${name}` };
     const link = make("a", attributes, passed ? `${number} ✓` : String(number));
     if (number === this.current) link.setAttribute("aria-current", "page");
     return make("li", {}, link);

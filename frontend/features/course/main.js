@@ -22,7 +22,7 @@ import { Sections } from "./sections.js";
  *   picture: boolean, file: string}} Lesson
  */
 
-const number = Number(location.pathname.split("/")[2] ?? 1);
+const number = Number(/\/learn\/(\d+)$/.exec(location.pathname)?.[1] ?? 1);
 const banner = find("banner", HTMLElement);
 new Appearance(findButton("theme"), findButton("large-text"));
 offerLanguages(find("language", HTMLSelectElement));
@@ -66,7 +66,7 @@ function show(lesson) {
   find("opening", HTMLElement).innerHTML = lesson.html;
   const picture = find("picture", HTMLImageElement);
   picture.hidden = !lesson.picture;
-  if (lesson.picture) picture.src = `/api/lessons/${lesson.number}/picture.svg`;
+  if (lesson.picture) picture.src = `api/lessons/${lesson.number}/picture.svg`;
   const [question, ...later] = lesson.sections;
   setText(find("file", HTMLElement), lesson.file);
   setText(find("stub", HTMLElement), lesson.stub);
@@ -81,7 +81,7 @@ function show(lesson) {
 /** How wheels err is the first lesson's theme: say there what is missing in them without forces. */
 async function showEngine() {
   /** @type {FieldMessage} */
-  const field = await getJson("/api/field");
+  const field = await getJson("api/field");
   find("engine-missing", HTMLElement).hidden = number !== 1 || !field.engine_missing;
 }
 
@@ -108,8 +108,8 @@ function placeRobot() {
 connection.onState((state) => state === "open" && placeRobot());
 connection.start();
 try {
-  show(await getJson(`/api/lessons/${number}`));
-  list.show(await getJson("/api/lessons"));
+  show(await getJson(`api/lessons/${number}`));
+  list.show(await getJson("api/lessons"));
   await showEngine();
 } catch (error) {
   setText(banner, sentence(error));

@@ -134,7 +134,7 @@ export class MappingPanel {
       return;
     }
     try {
-      const drawing = /** @type {MapDrawingMessage} */ (await getJson("/api/mapping"));
+      const drawing = /** @type {MapDrawingMessage} */ (await getJson("api/mapping"));
       // Meanwhile it may have been discarded, or there is a newer one.
       if (this.#loaded !== key || drawing.version === 0) return;
       this.#drawing = drawing;

@@ -83,7 +83,7 @@ export class Journey {
   /** @param {number} planned [s] */
   async #load(planned) {
     this.#asked = planned;
-    this.way = await getJson("/api/navigation").catch(() => null);
+    this.way = await getJson("api/navigation").catch(() => null);
   }
 }
 

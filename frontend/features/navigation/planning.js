@@ -140,7 +140,7 @@ export class Planning {
 
   async #load() {
     try {
-      this.#walls = await getJson("/api/navigation/walls");
+      this.#walls = await getJson("api/navigation/walls");
       if (isOn(this.#costs)) await this.#ask();
     } catch (error) {
       this.#said = -1;
@@ -151,7 +151,7 @@ export class Planning {
   async #ask() {
     try {
       /** @type {CostsMessage} */
-      const costs = await getJson("/api/navigation/costs");
+      const costs = await getJson("api/navigation/costs");
       this.#layer = isOn(this.#costs) ? { costs, picture: costPicture(costs) } : null;
     } catch (error) {
       setText(this.#words, sentence(error));

@@ -34,7 +34,7 @@ export class RecordingsPanel {
 
   async #load() {
     try {
-      const entries = /** @type {RecordingEntry[]} */ (await getJson("/api/recordings"));
+      const entries = /** @type {RecordingEntry[]} */ (await getJson("api/recordings"));
       const rows = entries.map((entry) => recordingRow(entry, this));
       const none = t("There are no recordings yet. Press Record, or drop a file onto this page.");
       this.#list.replaceChildren(...(rows.length ? rows : [make("li", { class: "quiet" }, none)]));
@@ -81,7 +81,7 @@ export class RecordingsPanel {
    */
   async #ask(name, method, body, again = true) {
     try {
-      await send(`/api/recordings/${encodeURIComponent(name)}`, method, body);
+      await send(`api/recordings/${encodeURIComponent(name)}`, method, body);
     } catch (error) {
       this.toasts.fail(error);
     }

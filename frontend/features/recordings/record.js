@@ -50,7 +50,7 @@ export class RecordButton {
 
   /** @param {RecordingMessage} recording */
   #link(recording) {
-    const address = `/api/recordings/${encodeURIComponent(recording.file)}`;
+    const address = `api/recordings/${encodeURIComponent(recording.file)}`;
     if (this.#file.getAttribute("href") === address) return;
     this.#file.href = address;
     this.#file.title = `${recording.file}, ${minutes(recording.duration_s)}, ${megabytes(recording)}`;

@@ -17,7 +17,7 @@ const DATE = new Intl.DateTimeFormat(language, { dateStyle: "medium", timeStyle:
 
 /** One recording of the list: what it is, and what can be done with it. @param {RecordingEntry} entry @param {Acts} acts */
 export function recordingRow(entry, acts) {
-  const address = `/api/recordings/${encodeURIComponent(entry.name)}`;
+  const address = `api/recordings/${encodeURIComponent(entry.name)}`;
   const picture = make("img", { src: `${address}/picture?${entry.changed}`, alt: "", loading: "lazy" });
   picture.onerror = () => (picture.style.visibility = "hidden");
   const name = field(entry.name, t("Name"), (text) => acts.change(entry.name, { name: text }));

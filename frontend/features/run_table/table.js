@@ -50,8 +50,8 @@ export class RunsTable {
   async #load() {
     if (!this.#popover.shown || document.hidden) return;
     try {
-      const news = /** @type {RunsMessage} */ (await getJson(`/api/runs?${this.#query}`));
-      this.#csv.href = `/api/runs.csv?${this.#query}`;
+      const news = /** @type {RunsMessage} */ (await getJson(`api/runs?${this.#query}`));
+      this.#csv.href = `api/runs.csv?${this.#query}`;
       const text = JSON.stringify(news);
       if (text !== this.#drawn) this.#write(news);
       this.#drawn = text;
@@ -86,9 +86,9 @@ export class RunsTable {
       this.#load();
     };
     const keeper = make("button", { type: "button", "data-run": `keep ${number}`, "aria-pressed": String(run.kept), "aria-label": t("Keep run {number}", { number }) }, t("keep"));
-    keeper.onclick = () => this.#ask(`/api/runs/${number}/keep?kept=${!run.kept}`, "POST");
+    keeper.onclick = () => this.#ask(`api/runs/${number}/keep?kept=${!run.kept}`, "POST");
     const gone = make("button", { type: "button", "data-run": `forget ${number}`, "aria-label": t("Forget run {number}", { number }) }, "×");
-    gone.onclick = () => this.#ask(`/api/runs/${number}`, "DELETE");
+    gone.onclick = () => this.#ask(`api/runs/${number}`, "DELETE");
     const cells = [
       size(run.rmse),
       size(run.median),

@@ -127,7 +127,7 @@ export class FitSection {
     const place = `x=${pose.x}&y=${pose.y}`;
     try {
       /** @type {PoseFitsMessage} */
-      const fits = await getJson(`/api/pose_fit?${this.#nearest ? place : `${place}&theta=${pose.theta}`}`);
+      const fits = await getJson(`api/pose_fit?${this.#nearest ? place : `${place}&theta=${pose.theta}`}`);
       // Somebody may have dragged it on meanwhile.
       if (!this.#changed && this.pose) this.#show(fits, odometry);
     } catch (error) {

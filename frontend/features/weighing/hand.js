@@ -89,7 +89,7 @@ export class HandSection {
     this.#number = number;
     try {
       /** @type {HandStepMessage} */
-      const message = await getJson("/api/filter_by_hand");
+      const message = await getJson("api/filter_by_hand");
       if (this.#number !== number) return;
       // Another step was taken meanwhile: telemetry will say so, too.
       if (message.number !== number) this.#number = message.number;

@@ -84,9 +84,9 @@ export class LandscapeSection {
     const pose = this.pose();
     try {
       /** @type {LandscapeMessage} */
-      const land = await getJson(pose ? `/api/likelihood?theta=${pose.theta}` : "/api/likelihood");
+      const land = await getJson(pose ? `api/likelihood?theta=${pose.theta}` : "api/likelihood");
       /** @type {HeadingsMessage | null} */
-      const ring = pose ? await getJson(`/api/likelihood/headings?x=${pose.x}&y=${pose.y}`) : null;
+      const ring = pose ? await getJson(`api/likelihood/headings?x=${pose.x}&y=${pose.y}`) : null;
       if (this.shown) this.#take(land, ring);
     } catch (error) {
       if (this.shown) setText(this.#words, sentence(error));

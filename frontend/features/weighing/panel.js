@@ -14,7 +14,7 @@ import { LandscapeSection } from "./landscape.js";
 /** @typedef {import("../../map/scene.js").Scene} Scene */
 /** @typedef {import("../../map/view.js").MapView} MapView */
 
-const STYLE = "/static/style/particles.css";
+const STYLE = "static/style/particles.css";
 
 /** Beside the map: a particle asked, the filter by hand, the likelihood all over the field. Loaded when it is first used. */
 export class ParticlesPanel {

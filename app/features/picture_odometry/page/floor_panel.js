@@ -59,7 +59,7 @@ export function panel(body) {
       if (state && !loading && picture.offsetParent !== null && now - last >= PERIOD_MS) {
         loading = true;
         last = now;
-        picture.src = `/floor.jpg?${Math.round(now)}`;
+        picture.src = `floor.jpg?${Math.round(now)}`;
       }
     },
   };

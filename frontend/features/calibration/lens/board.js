@@ -82,7 +82,7 @@ export class BoardForm {
     }
     const query = new URLSearchParams({ paper: this.#paper.value });
     for (const [name, value] of Object.entries(this.board)) query.set(name, String(value));
-    this.#print.href = `/api/board.pdf?${query}`;
+    this.#print.href = `api/board.pdf?${query}`;
   }
 }
 

@@ -26,7 +26,7 @@ export class Desk {
    * @param {(words: string) => void} complain called with what is wrong, or with nothing
    */
   constructor(path, listener, complain) {
-    this.address = new URL(path, location.href.replace(/^http/, "ws")).href;
+    this.address = new URL(path, document.baseURI.replace(/^http/, "ws")).href;
     this.listener = listener;
     this.complain = complain;
   }

@@ -21,12 +21,12 @@ const appearance = new Appearance(findButton("theme"), findButton("large-text"))
 offerLanguages(find("language", HTMLSelectElement));
 const loop = new DrawLoop();
 const banner = find("banner", HTMLElement);
-const desk = new Desk("/api/lens", take, (words) => setText(banner, words));
+const desk = new Desk("api/lens", take, (words) => setText(banner, words));
 const board = new BoardForm((request) => desk.send(request));
 const guide = new Guide(() => desk.send({ type: "calibrate" }));
 const result = new Result(loop, () => desk.send({ type: "save" }));
 const live = new LivePicture(loop);
-const stream = new CameraStream("/api/camera", (picture) => live.show(picture));
+const stream = new CameraStream("api/camera", (picture) => live.show(picture));
 /** Number of the calibration that is shown. */
 let shown = 0;
 
@@ -44,7 +44,7 @@ async function load(number) {
   shown = number;
   try {
     /** @type {LensMessage | null} */
-    const lens = number ? await getJson("/api/lens") : null;
+    const lens = number ? await getJson("api/lens") : null;
     result.show(lens);
   } catch (error) {
     setText(banner, t("The lens could not be read: {error}", { error: sentence(error instanceof Error ? error.message : String(error)) }));

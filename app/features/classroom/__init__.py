@@ -1,0 +1,1 @@
+"""A class of students, each with a robot: JupyterHub, whose single-user server is the dashboard."""

@@ -1,0 +1,231 @@
+"""``brickpose class``: checks everything, writes the hub's files, and keeps the hub running."""
+
+from __future__ import annotations
+
+import argparse
+import importlib.metadata
+import importlib.util
+import os
+import re
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+from urllib.parse import urlsplit
+from urllib.request import ProxyHandler, build_opener
+
+from app.console import say
+from app.features.classroom.class_folder import ClassFolder
+from app.features.classroom.links_page import link_of, write_links
+from app.features.classroom.roster import TEACHER, Student, read_roster
+from app.features.classroom.warm.ending import end_copies, end_proxy, end_services
+from app.features.classroom.warm.request import WarmParentError, start_parent
+from app.files import atomic_file
+from app.page.address import own_address
+from robot.errors import BrickPoseError
+from robot.settings import SettingError
+
+HUB = (5, 7)
+"""The hub's versions that the tests run with: from the first, before the second."""
+PACKAGES = {
+    "jupyterhub": "jupyterhub",
+    "jupyterhub-idle-culler": "jupyterhub_idle_culler",
+    "configurable-http-proxy": "configurable_http_proxy",
+}
+CURE = "python -m pip install 'brickpose[class]'"
+WORSE_AFTER_S = 10.0
+MOST_FAILURES = 3
+END_S, HUB_END_S = 4.0, 5.0
+"""Servers and hub are killed that have not ended after so long [s]."""
+READY_S, LOOK_S = 60.0, 0.2
+CONFIG = """\
+# Written anew at each start of `brickpose class`; docs/classroom.md has what each line means.
+from app.features.classroom.hub.configuration import configure
+
+configure(
+    c,  # noqa: F821
+    {folder!r},
+    host={host!r},
+    port={port},
+    memory_mb={memory},
+    idle_s={idle},
+    notebook={notebook},
+)
+"""
+
+
+class ClassError(BrickPoseError, RuntimeError):
+    """The class cannot be served; the message says what is missing."""
+
+
+def serve_class(parsed: argparse.Namespace) -> int:
+    """Serve a class until a signal; return 0.
+
+    Raises:
+        BrickPoseError: something is missing or wrong; nothing was started then.
+    """
+    students = read_roster(parsed.students)
+    _check_options(parsed)
+    _check_packages(notebook=parsed.notebook)
+    folder = ClassFolder(
+        (getattr(parsed, "folder", None) or parsed.students.with_suffix(".class")).absolute()
+    )
+    if not parsed.write_only:
+        _check_ports(parsed.host, parsed.port)
+    folder.make()
+    address = (getattr(parsed, "address", None) or _address(parsed.host, parsed.port)).rstrip("/")
+    keys = folder.keys(students)
+    folder.write_names(students)
+    _write(folder, parsed)
+    write_links(folder.links, address, students, keys)
+    say(f"{len(students)} students; the page with their links, to print: {folder.links}")
+    if parsed.write_only:
+        return 0
+    return _keep_running(folder, address, students, keys[TEACHER], parsed.port)
+
+
+def _check_options(parsed: argparse.Namespace) -> None:
+    limits = {"port": (1, 65532), "memory": (300, 1_000_000), "idle": (1, 100_000)}
+    for name, (low, high) in limits.items():
+        if not low <= getattr(parsed, name) <= high:
+            raise SettingError(f"--{name} is {getattr(parsed, name)}; valid are {low} to {high}")
+    address = getattr(parsed, "address", None)
+    if address is not None and (
+        urlsplit(address).scheme not in ("http", "https") or not urlsplit(address).hostname
+    ):
+        raise SettingError(f"--address is {address!r}; valid is http://NAME:PORT")
+    if sys.platform == "win32":
+        raise ClassError("JupyterHub does not run on Windows; valid are Linux and macOS, or WSL")
+
+
+def _check_packages(*, notebook: bool) -> None:
+    """Raise a ClassError if something is not installed, or of another version than was tried."""
+    wanted = PACKAGES | ({"jupyterlab": "jupyterlab"} if notebook else {})
+    for package, module in wanted.items():
+        if importlib.util.find_spec(module) is None:
+            raise ClassError(f"the package {package} is missing: {CURE}")
+    version = importlib.metadata.version("jupyterhub")
+    installed = int(re.match(r"\d*", version)[0] or 0)  # type: ignore[index] # matches anything
+    if not HUB[0] <= installed < HUB[1]:
+        raise ClassError(
+            f"JupyterHub {version} is installed; valid is {HUB[0]} up to, but without, {HUB[1]}: "
+            f"{CURE}"
+        )
+
+
+def _check_ports(host: str, port: int) -> None:
+    """Raise a ClassError if one of four ports is taken, or the address is not of this machine."""
+    for address, each, use in (
+        (host, port, "the class"), ("127.0.0.1", port + 1, "the hub"),
+        ("127.0.0.1", port + 2, "the proxy's interface"), ("127.0.0.1", port + 3, "the wall"),
+    ):  # fmt: skip
+        with socket.socket() as probe:
+            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            try:
+                probe.bind((address, each))
+            except OSError as error:
+                raise ClassError(
+                    f"cannot listen on {address} port {each}, for {use}: {error.strerror}; four "
+                    "free ports one after the other are chosen by --port"
+                ) from error
+
+
+def _address(host: str, port: int) -> str:
+    shown = own_address() if host in ("0.0.0.0", "::") else host
+    return f"http://{shown}:{port}"
+
+
+def _write(folder: ClassFolder, parsed: argparse.Namespace) -> None:
+    with atomic_file(folder.config) as unfinished:
+        unfinished.write_text(
+            CONFIG.format(
+                folder=str(folder.path), host=parsed.host, port=parsed.port,
+                memory=parsed.memory, idle=parsed.idle * 60, notebook=parsed.notebook,
+            ),
+            encoding="utf-8",
+        )  # fmt: skip
+
+
+def _keep_running(
+    folder: ClassFolder, address: str, students: tuple[Student, ...], key: str, port: int
+) -> int:
+    """Run the hub, and start it again if it dies; end it by a signal.
+
+    Raises:
+        ClassError: it dies at once, again and again.
+    """
+    ended = False
+
+    def end(*_: object) -> None:
+        nonlocal ended
+        ended = True
+        if process is not None:
+            process.terminate()
+
+    with suppress(WarmParentError):  # then each server starts by itself
+        start_parent(folder.warm_socket)
+    process: subprocess.Popen[bytes] | None = None
+    for each in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(each, end)
+    log, failures = folder.path / "hub.log", 0
+    announced = False
+    while not ended:
+        begun = time.monotonic()
+        with log.open("ab") as out:
+            process = subprocess.Popen(
+                [sys.executable, "-m", "jupyterhub", "--config", str(folder.config)],
+                cwd=folder.path, stdin=subprocess.DEVNULL, stdout=out, stderr=out,
+                env=_environment(first=not announced), start_new_session=True,
+            )  # fmt: skip
+        if not announced and _answers(process, port):
+            say(f"The teacher's wall: {link_of(address, key)}")
+            say(f"BrickPose serves {len(students)} students at {address} (Ctrl-C ends it)")
+            announced = True
+        _wait(process, lambda: ended)
+        end_services(folder.path, END_S)
+        failures = failures + 1 if time.monotonic() - begun < WORSE_AFTER_S else 0
+        if not ended and failures >= MOST_FAILURES:
+            raise ClassError(f"JupyterHub ends at once; {log} says why")
+    _end_servers(folder)
+    return 0
+
+
+def _wait(process: subprocess.Popen[bytes], ended: Callable[[], bool]) -> None:
+    """Wait until the hub has ended; one that was told to and does not is killed."""
+    asked: float | None = None
+    while process.poll() is None:
+        if ended() and asked is None:
+            asked = time.monotonic()
+        if asked is not None and time.monotonic() - asked > HUB_END_S:
+            process.kill()
+        time.sleep(LOOK_S)
+
+
+def _answers(process: subprocess.Popen[bytes], port: int) -> bool:
+    """Wait until the hub answers by its proxy; return whether it does, before it ends."""
+    opener, end = build_opener(ProxyHandler({})), time.monotonic() + READY_S
+    while process.poll() is None and time.monotonic() < end:
+        try:
+            opener.open(f"http://127.0.0.1:{port}/hub/api/", timeout=READY_S).close()
+        except OSError:
+            time.sleep(LOOK_S)
+        else:
+            return True
+    return False
+
+
+def _environment(*, first: bool) -> dict[str, str]:
+    root = str(Path(__file__).parents[3])  # a checkout is not where JupyterHub looks
+    path = os.environ.get("PYTHONPATH")
+    sources = {"PYTHONPATH": f"{root}{os.pathsep}{path}" if path else root}
+    return os.environ | sources | ({"BRICKPOSE_CLASS_STARTS": "1"} if first else {})
+
+
+def _end_servers(folder: ClassFolder) -> None:
+    """End the warm parent and what it started: the hub leaves them, so that it may die alone."""
+    end_proxy(folder.path, END_S)
+    end_copies(folder.warm_socket, END_S)

@@ -1,0 +1,149 @@
+"""ClassDesk: at a student's own server, what the teacher's wall orders, and a raised hand.
+
+While a student is frozen, their pages only watch: their sockets are closed and come back as those
+of watchers, which stops what they drove. The teacher, who is no owner, still drives.
+"""
+
+from __future__ import annotations
+
+import json
+from contextlib import suppress
+from dataclasses import dataclass, field
+from typing import Any
+
+import anyio
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from starlette.requests import Request
+from starlette.responses import JSONResponse, PlainTextResponse, Response
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from app.features.classroom.sign_in import VISITOR
+from app.features.classroom.sleep import Sleeper
+from app.page.token_guard import CODE
+from app.page.tokens import Role
+
+ADDRESS = "classroom"
+LONGEST_MESSAGE = 500
+LONGEST_BODY = 10_000
+ROLE = "brickpose.role"
+
+
+class Order(BaseModel):
+    """What the teacher orders; what is left out stays."""
+
+    model_config = ConfigDict(extra="forbid")
+    frozen: bool | None = None
+    message: str | None = Field(None, max_length=LONGEST_MESSAGE)
+    """Shown on the student's pages; empty takes it away."""
+
+
+class Hand(BaseModel):
+    """What a student says."""
+
+    model_config = ConfigDict(extra="forbid")
+    hand: bool
+
+
+@dataclass
+class ClassState:
+    """What holds for a student now."""
+
+    frozen: bool = False
+    message: str = ""
+    hand: bool = False
+    thaws: set[anyio.CancelScope] = field(default_factory=set)
+    """One of each open socket of the owner's."""
+
+    def to_json(self) -> dict[str, Any]:
+        """Return it as JSON values."""
+        return {"frozen": self.frozen, "message": self.message, "hand": self.hand}
+
+    def obey(self, order: Order) -> None:
+        """Carry out an order."""
+        if order.message is not None:
+            self.message = order.message
+        if order.frozen is not None and order.frozen != self.frozen:
+            self.frozen = order.frozen
+            for scope in tuple(self.thaws):
+                scope.cancel()
+
+
+class ClassDesk:
+    """Stands between the sign-in and the student's server."""
+
+    def __init__(
+        self, app: ASGIApp, owner: str, prefix: str, state: ClassState, sleeper: Sleeper
+    ) -> None:
+        """Keep a desk for ``owner``, whose server is below ``prefix``."""
+        self._sleeper = sleeper
+        self._app = app
+        self._owner = owner
+        self._path = f"{prefix}{ADDRESS}"
+        self._state = state
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Answer what is for the desk; pass on all else with what its sender may do."""
+        if VISITOR not in scope:
+            try:
+                await self._app(scope, receive, send)
+            finally:
+                self._sleeper.wake()  # it has to hear that the server ends
+            return
+        owns = scope[VISITOR].name == self._owner
+        if scope["type"] == "http" and scope["path"] == self._path:
+            await (await self._answer(Request(scope, receive), owns=owns))(scope, receive, send)
+            return
+        if scope[VISITOR].is_service:
+            await self._app({**scope, CODE: False}, receive, send)
+            return
+        with self._sleeper.looked():
+            await self._pass(scope, receive, send, owns=owns)
+
+    async def _pass(self, scope: Scope, receive: Receive, send: Send, *, owns: bool) -> None:
+        frozen = owns and self._state.frozen
+        scope = {**scope, CODE: owns and not frozen, ROLE: Role.WATCH if frozen else Role.DRIVE}
+        if scope["type"] == "websocket" and owns:
+            await self._until_told(scope, receive, send)
+        elif frozen and scope["method"] not in ("GET", "HEAD"):
+            await PlainTextResponse("The teacher has frozen the class.", 403)(scope, receive, send)
+        else:
+            await self._app(scope, receive, send)
+
+    async def _answer(self, request: Request, *, owns: bool) -> Response:
+        if request.method == "GET":
+            shown = self._state.to_json() | {"asleep": self._sleeper.asleep}
+            return JSONResponse(shown, headers={"Cache-Control": "no-store"})
+        if request.method != "POST":
+            return PlainTextResponse("valid are GET and POST", 405)
+        body = b""
+        async for part in request.stream():
+            body += part
+            if len(body) > LONGEST_BODY:
+                return PlainTextResponse("that is too long", 413)
+        try:
+            if owns:
+                self._state.hand = Hand.model_validate_json(body).hand
+            else:
+                self._state.obey(Order.model_validate_json(body))
+        except ValidationError as error:
+            return JSONResponse({"detail": json.loads(error.json())}, 422)
+        return JSONResponse(self._state.to_json())
+
+    async def _until_told(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Serve a socket of the owner's until the owner is frozen, or may drive again."""
+        ended = False
+
+        async def note(message: Message) -> None:
+            nonlocal ended
+            ended = ended or message["type"] == "websocket.close"
+            await send(message)
+
+        with anyio.CancelScope() as cancel:
+            self._state.thaws.add(cancel)
+            try:
+                await self._app(scope, receive, note)
+            finally:
+                self._state.thaws.discard(cancel)
+        if cancel.cancelled_caught and not ended:
+            with suppress(Exception):  # the page may have gone meanwhile
+                await send({"type": "websocket.close", "code": 1012, "reason": "class"})

@@ -1,0 +1,1 @@
+"""What runs inside JupyterHub's own process; nothing else imports it."""

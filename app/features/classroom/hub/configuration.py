@@ -1,0 +1,101 @@
+"""Configures JupyterHub for a class: what the written ``jupyterhub_config.py`` calls."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+from typing import Any
+
+from app.features.classroom.class_folder import ClassFolder
+from app.features.classroom.roster import TEACHER
+
+START_S = 120
+STUDENT_COMMAND = [sys.executable, "-m", "app", "single-user"]
+
+
+def configure(
+    c: Any, folder: str, *, host: str, port: int, memory_mb: int, idle_s: int, notebook: bool
+) -> None:
+    """Set what a class on one machine needs; ``c`` is the configuration that JupyterHub reads.
+
+    Args:
+        c: the object of that name in ``jupyterhub_config.py``.
+        folder: the class's folder.
+        host: the address to listen on.
+        port: the port; the three after it are the hub's own, on this machine alone.
+        memory_mb: the limit of a student's processes.
+        idle_s: a server that nobody used so long is ended [s].
+        notebook: JupyterLab is each student's server, and has the dashboard in its launcher.
+    """
+    place = ClassFolder(Path(folder))
+    c.JupyterHub.bind_url = f"http://{host}:{port}/"
+    c.JupyterHub.hub_bind_url = f"http://127.0.0.1:{port + 1}/"
+    c.JupyterHub.db_url = f"sqlite:///{place.path / 'jupyterhub.sqlite'}"
+    c.JupyterHub.cookie_secret_file = str(place.path / "cookie_secret")
+    c.JupyterHub.authenticator_class = f"{__package__}.authenticator.LinkAuthenticator"
+    c.LinkAuthenticator.folder = folder
+    c.Authenticator.allow_all = True  # whoever has a key
+    c.Authenticator.admin_users = {TEACHER}
+    # Servers outlive the hub: kill -9 of the hub costs no student a drive.
+    c.JupyterHub.cleanup_servers = False
+    c.ConfigurableHTTPProxy.api_url = f"http://127.0.0.1:{port + 2}"
+    c.ConfigurableHTTPProxy.pid_file = str(place.path / "proxy.pid")
+    c.ConfigurableHTTPProxy.check_running_interval = 2
+    c.ConfigurableHTTPProxy.command = proxy_command()
+    c.JupyterHub.spawner_class = f"{__package__}.spawner.StudentSpawner"
+    c.StudentSpawner.class_folder = folder
+    c.Spawner.cmd = ["jupyterhub-singleuser"] if notebook else STUDENT_COMMAND
+    c.StudentSpawner.warm = not notebook
+    c.Spawner.mem_limit = memory_mb * 1024 * 1024
+    c.Spawner.start_timeout = c.Spawner.http_timeout = START_S
+    c.Spawner.poll_interval = 3
+    if notebook:
+        c.Spawner.default_url = "/lab"
+    c.JupyterHub.concurrent_spawn_limit = 0
+    c.JupyterHub.services = [_culler(place, idle_s), _wall(place, port)]
+    c.JupyterHub.load_roles = [_CULLING, _WALL]
+
+
+_CULLING = {
+    "name": "culling",
+    "scopes": ["list:users", "read:users:activity", "read:servers", "delete:servers"],
+    "services": ["idle-culler"],
+}
+
+
+_WALL = {
+    "name": "wall",
+    "scopes": ["list:users", "admin:users", "servers", "access:servers"],
+    "services": ["wall"],
+}
+
+
+def _wall(folder: ClassFolder, port: int) -> dict[str, Any]:
+    environment = {
+        "BRICKPOSE_CLASS": str(folder.path), "BRICKPOSE_PROXY_ADDRESS": f"http://127.0.0.1:{port}",
+        "PYTHONPATH": os.environ.get("PYTHONPATH", ""),
+    }  # fmt: skip
+    return {
+        "name": "wall", "url": f"http://127.0.0.1:{port + 3}", "oauth_no_confirm": True,
+        "command": [sys.executable, "-m", "app.features.classroom.wall.service"],
+        "environment": environment,
+    }  # fmt: skip
+
+
+def _culler(folder: ClassFolder, idle_s: int) -> dict[str, Any]:
+    words = [
+        "-m",
+        "jupyterhub_idle_culler",
+        f"--timeout={idle_s}",
+        f"--cull-every={min(idle_s, 60)}",
+    ]
+    environment = {"BRICKPOSE_CLASS": str(folder.path)}
+    command = [sys.executable, *words]
+    return {"name": "idle-culler", "command": command, "environment": environment}
+
+
+def proxy_command() -> list[str]:
+    """Return how the hub's proxy is started: the one in Python, so that no node is needed."""
+    start = "from configurable_http_proxy.cli import main; main()"
+    return os.environ.get("BRICKPOSE_PROXY", "").split() or [sys.executable, "-c", start]

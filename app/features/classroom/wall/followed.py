@@ -1,0 +1,105 @@
+"""FollowedServer: one student's running server, as the wall sees it and orders it."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, field
+from typing import Any
+from urllib.request import ProxyHandler, Request, build_opener
+
+import anyio
+import anyio.to_thread
+from websockets.asyncio.client import ClientConnection, connect
+from websockets.exceptions import WebSocketException
+
+RATE_HZ = 2
+"""Telemetry of each student a second: thirty of them are sixty messages, a tenth of a core."""
+ANSWER_S = 5.0
+AGAIN_S = 1.0
+OPENER = build_opener(ProxyHandler({}))  # the students' servers are near
+
+
+@dataclass
+class FollowedServer:
+    """A student's server; its newest telemetry comes by one socket, which also takes orders."""
+
+    address: str
+    """``http://HOST:PORT/user/ada/``."""
+    token: str
+    telemetry: dict[str, Any] = field(default_factory=dict)
+    desk: dict[str, Any] = field(default_factory=dict)
+    field_name: str = ""
+    area: dict[str, Any] = field(default_factory=dict)
+    """``/api/field`` of the newest field."""
+    _socket: ClientConnection | None = None
+
+    @property
+    def headers(self) -> dict[str, str]:
+        """What the wall shows of itself."""
+        return {"Authorization": f"token {self.token}"}
+
+    async def follow(self) -> None:
+        """Keep the newest telemetry, until cancelled; a server that went away is asked again."""
+        place = f"{self.address.replace('http', 'ws', 1)}api/live?rate={RATE_HZ}"
+        while True:
+            try:
+                async with connect(
+                    place, additional_headers=self.headers, max_size=None, proxy=None
+                ) as socket:
+                    self._socket = socket
+                    async for text in socket:
+                        message = json.loads(text)
+                        if message["type"] == "telemetry":
+                            self.telemetry = message
+            except (OSError, WebSocketException, ValueError):
+                pass
+            finally:
+                self._socket, self.telemetry = None, {}
+            await anyio.sleep(AGAIN_S)
+
+    async def look(self) -> None:
+        """Read what the desk has, and the field if it is another one."""
+        self.desk = await self.ask("classroom") or {}
+        name = str(self.telemetry.get("map", ""))
+        if name and name != self.field_name:
+            self.area = await self.ask("api/field") or {}
+            self.field_name = name if self.area else ""
+
+    async def send(self, **command: Any) -> bool:
+        """Send a command of the live socket; return whether the server is there."""
+        if self._socket is None:
+            return False
+        try:
+            await self._socket.send(json.dumps(command))
+        except WebSocketException:
+            return False
+        return True
+
+    async def order(self, **order: Any) -> bool:
+        """Give an order to the student's desk; return whether it was taken."""
+        answer = await self.ask("classroom", order)
+        self.desk = answer or self.desk
+        return answer is not None
+
+    async def ask(self, path: str, body: dict[str, Any] | None = None) -> Any:
+        """Return the JSON that the server has at a path; None if it has none."""
+        content = await self.read(path, body)
+        try:
+            return None if content is None else json.loads(content)
+        except ValueError:
+            return None
+
+    async def read(self, path: str, body: dict[str, Any] | None = None) -> bytes | None:
+        """Return what the server has at a path; None if it has nothing."""
+        data = None if body is None else json.dumps(body).encode()
+        request = Request(self.address + path, data, self.headers)
+
+        def fetched() -> bytes | None:
+            try:
+                with OPENER.open(request, timeout=ANSWER_S) as answer:
+                    content: bytes = answer.read()
+                    return content
+            except OSError:
+                return None
+
+        return await anyio.to_thread.run_sync(fetched)

@@ -1,0 +1,1 @@
+"""A warm process, of which students' servers are copies."""

@@ -1,0 +1,179 @@
+"""WarmParent: it has imported and compiled all that a server needs, and forks one at each request.
+
+A copy shares the parent's memory until one of them writes to it. The parent has one thread, so a
+copy goes on as a program does that has just imported everything.
+"""
+
+from __future__ import annotations
+
+import gc
+import importlib
+import json
+import os
+import pkgutil
+import signal
+import socket
+import sys
+import threading
+import time
+import warnings
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from app.features.classroom.warm.confinement import confine
+from app.features.classroom.warm.request import LONGEST, CopyRequest
+
+STEPS = 20
+"""Ticks that a robot is driven before, so that what is made at a first tick is shared, too."""
+ALONE_S = 10.0
+LOG = "brickpose.log"
+ROOMS = ("app.engine", "app.page", "app.messages", "app.languages", "app.settings", "app.features")
+COLD = (
+    "app.features.build_hat",
+    "app.features.classroom.hub",
+    "app.features.classroom.warm.parent",
+    "app.features.lab",
+    "app.features.ros.dds",
+    "app.features.course.lessons",
+    "app.languages.extraction",
+    "app.languages.update",
+)
+"""Rooms that servers of students do not enter."""
+LATE = (
+    "anyio._backends._asyncio",
+    "app.__main__",
+    "app.command_line",
+    "app.tools.doctor.finding",
+    "encodings.idna",
+    "pydantic.v1",
+    "rich.console",
+    "uvicorn.lifespan.on",
+    "uvicorn.protocols.http.h11_impl",
+    "uvicorn.protocols.websockets.websockets_sansio_impl",
+    "viser.infra",
+    "websockets.asyncio.server",
+)
+"""What libraries import only when they serve."""
+
+
+class WarmParent:
+    """Listens at a place in the file system that only its own user reaches."""
+
+    def __init__(self, place: Path) -> None:
+        self._place = place
+
+    def serve(self) -> None:
+        """Copy this process at each request; returns in a copy only, by ending it."""
+        self._place.unlink(missing_ok=True)
+        # The system buries copies that have ended; a hub asks for them by their numbers.
+        signal.signal(signal.SIGCHLD, signal.SIG_IGN)
+        with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as listening:
+            mask = os.umask(0o077)
+            listening.bind(str(self._place))
+            os.umask(mask)
+            listening.listen(64)
+            while True:
+                connection, _ = listening.accept()
+                with connection:
+                    connection.settimeout(5.0)
+                    with suppress(OSError):
+                        self._answer(connection, listening)
+
+    def _answer(self, connection: socket.socket, listening: socket.socket) -> None:
+        with connection.makefile("rb") as asked:
+            line = asked.readline(LONGEST)
+        if not line:
+            return  # who only asks whether this is there
+        try:
+            request = CopyRequest.from_json(json.loads(line))
+            pid = os.fork()
+        except (OSError, ValueError, TypeError, KeyError) as error:
+            connection.sendall(json.dumps({"error": str(error)}).encode() + b"\n")
+            return
+        if not pid:
+            listening.close()
+            connection.close()
+            _become(request)
+        connection.sendall(json.dumps({"pid": pid}).encode() + b"\n")
+
+
+def _become(request: CopyRequest) -> None:
+    """Be the program of a request, until it ends, and this process with it."""
+    code = 1
+    try:
+        os.setsid()
+        for each in (signal.SIGCHLD, signal.SIGTERM):
+            signal.signal(each, signal.SIG_DFL)
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+        os.environ.clear()
+        os.environ.update(request.environment)
+        os.chdir(request.folder)
+        confine(request.confinement)
+        _use_log(Path(request.folder, LOG))
+        sys.argv = ["brickpose", *request.words]
+        # By its name: it is above this room.
+        code = importlib.import_module("app.__main__").main()
+    except SystemExit as end:
+        code = end.code if isinstance(end.code, int) else 1
+    except BaseException:
+        sys.excepthook(*sys.exc_info())
+    finally:
+        with suppress(OSError, ValueError):
+            sys.stdout.flush()
+            sys.stderr.flush()
+        os._exit(code)
+
+
+def _use_log(path: Path) -> None:
+    out = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600)
+    for own in (1, 2):
+        os.dup2(out, own)
+    os.close(out)
+    sys.stdout = os.fdopen(1, "w", buffering=1, closefd=False)
+    sys.stderr = os.fdopen(2, "w", buffering=1, errors="backslashreplace", closefd=False)
+
+
+def _import_all() -> None:
+    """Import what servers import sooner or later: what a copy imports itself is its own memory."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        for room in ROOMS:
+            package = importlib.import_module(room)
+            for module in pkgutil.walk_packages(package.__path__, f"{room}."):
+                if not module.name.startswith(COLD):
+                    with suppress(ImportError):  # of another system, or not installed
+                        importlib.import_module(module.name)
+        for name in LATE:
+            importlib.import_module(name)
+
+
+def get_warm() -> None:
+    """Import what a server needs, and drive a robot for a moment."""
+    import cv2  # noqa: PLC0415 - its threads would not be in a copy
+
+    cv2.setNumThreads(0)
+    _import_all()
+    from app.engine.build import build_program  # noqa: PLC0415
+    from app.engine.plugging import plug_in  # noqa: PLC0415
+    from app.feature_search import find_features  # noqa: PLC0415
+    from app.settings.config import Config  # noqa: PLC0415
+
+    plug_in(find_features())
+    for robot in ("kinematic", "auto"):
+        program: Any = build_program(Config(robot=robot))
+        for _ in range(STEPS):
+            program.engine.step()
+        program.robot.close()
+    end = time.monotonic() + ALONE_S
+    while len(list(Path("/proc/self/task").iterdir())) > 1:
+        if time.monotonic() > end:
+            raise RuntimeError(f"threads that a copy would not have: {threading.enumerate()}")
+        time.sleep(0.01)
+    gc.collect()
+    gc.freeze()
+
+
+if __name__ == "__main__":
+    get_warm()
+    WarmParent(Path(sys.argv[1])).serve()

@@ -1,0 +1,225 @@
+"""What a class costs one machine: a link until the robot moves, memory and work of each student.
+
+``python -m benchmarks.classroom [--students 12] [--port 8950]`` needs the packages of
+``brickpose[class]``. Students are simulated by their sockets: each opens the link, signs in at the
+hub, drives, and takes telemetry and pictures as a page does.
+"""
+
+from __future__ import annotations
+
+import argparse
+import itertools
+import json
+import math
+import os
+import statistics
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack, contextmanager, suppress
+from http.cookiejar import CookieJar
+from pathlib import Path
+from typing import Any
+from urllib.error import HTTPError
+from urllib.request import HTTPCookieProcessor, ProxyHandler, build_opener
+
+from websockets.sync.client import ClientConnection, connect
+
+from benchmarks.programs import started
+
+MOVED_M = 0.005
+PATIENCE_S = 120.0
+AWAKE_S = 20.0
+QUIET_S = 20.0
+
+
+class StudentClient:
+    """A student's browser, as far as servers notice it."""
+
+    def __init__(self, address: str, login: str, key: str) -> None:
+        self.login = login
+        self._address = address
+        self._jar = CookieJar()
+        self._opener = build_opener(ProxyHandler({}), HTTPCookieProcessor(self._jar))
+        self._opener.addheaders = [("Accept", "text/html")]
+        self._link = f"{address}/hub/enter/{key}"
+        self._page = f"{address}/user/{login}/"
+
+    def open(self) -> None:
+        """Open the link, and wait for the student's own page."""
+        end = time.monotonic() + PATIENCE_S
+        self._opener.open(self._link, timeout=PATIENCE_S).close()
+        while time.monotonic() < end:
+            with (
+                suppress(HTTPError),
+                self._opener.open(self._page, timeout=PATIENCE_S) as answer,
+            ):
+                if "/hub/" not in answer.url:
+                    return
+            time.sleep(0.02)
+        raise TimeoutError(f"{self.login}'s page does not come")
+
+    def socket(self, path: str) -> ClientConnection:
+        """Open a socket of the page."""
+        cookies = "; ".join(
+            f"{each.name}={each.value}"
+            for each in self._jar
+            if f"/user/{self.login}/".startswith(each.path)
+        )
+        place = self._page.replace("http", "ws", 1) + path
+        headers = {"Cookie": cookies}
+        return connect(place, additional_headers=headers, max_size=None, proxy=None)
+
+    def move(self) -> None:
+        """Drive until the robot has moved."""
+        with self.socket("api/live?rate=30") as live:
+            first = None
+            for text in live:
+                message = json.loads(text)
+                if message["type"] != "telemetry" or message["truth"] is None:
+                    continue
+                first = first or message["truth"]
+                place = message["truth"]
+                if math.dist((place["x"], place["y"]), (first["x"], first["y"])) > MOVED_M:
+                    return
+                live.send(json.dumps({"type": "drive", "v": 0.15, "omega": 0.3}))
+
+    def stay(self, ended: threading.Event, delays: list[float], stamps: list[float]) -> None:
+        """Drive in circles and take pictures until it ends; note the delay of clicks [s]."""
+        with self.socket("api/live?rate=30") as live, self.socket("api/camera") as camera:
+            drain = threading.Thread(target=_drain, args=(camera, ended), daemon=True)
+            drain.start()
+            sent, number = time.monotonic(), 0
+            while not ended.is_set():
+                message: dict[str, Any] = json.loads(live.recv(timeout=PATIENCE_S))
+                if message["type"] in ("ack", "error"):
+                    if message["id"] == number:
+                        delays.append(time.monotonic() - sent)
+                    continue
+                number, sent = number + 1, time.monotonic()
+                drive = {"type": "drive", "v": 0.1, "omega": 0.8, "id": number}
+                live.send(json.dumps(drive))
+                stamps.append(float(message["stamp"]))
+            drain.join(PATIENCE_S)
+
+
+def _drain(camera: ClientConnection, ended: threading.Event) -> None:
+    while not ended.is_set():
+        with suppress(TimeoutError):
+            camera.recv(timeout=1.0)
+
+
+def main() -> int:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.classroom", description=__doc__)
+    parser.add_argument("--students", type=int, default=12)
+    parser.add_argument("--port", type=int, default=8950)
+    options = parser.parse_args()
+    with _class(options.students, options.port) as (address, folder):
+        keys = json.loads((folder / "keys.json").read_text())
+        logins = [login for login in keys if login != "teacher"]
+        students = [StudentClient(address, login, keys[login]) for login in logins]
+        before = _processes(folder)
+        opened = []
+        for student in students:
+            begun = time.monotonic()
+            student.open()
+            student.move()
+            opened.append(time.monotonic() - begun)
+        _say("link opened until the robot moves, p95", _p95(opened), "s")
+        _say("  the same, median", statistics.median(opened), "s")
+        own = [pid for pid in _processes(folder) if pid not in before]
+        private = sum(_memory(pid, "Private_Dirty") for pid in own) / len(students)
+        _say("private memory of a student", private, "MB")
+        everything = sum(_memory(pid, "Pss") for pid in {*before, *own})
+        _say(f"warm parent and {len(students)} students together", everything, "MB")
+        _awake(students, own)
+        _asleep(students, own)
+    return 0
+
+
+def _awake(students: list[StudentClient], own: list[int]) -> None:
+    ended = threading.Event()
+    delays: list[float] = []
+    stamps: dict[str, list[float]] = {student.login: [] for student in students}
+    with ThreadPoolExecutor(len(students)) as pool:
+        running = [
+            pool.submit(student.stay, ended, delays, stamps[student.login]) for student in students
+        ]
+        time.sleep(2.0)
+        begun, work = time.monotonic(), _seconds(own)
+        time.sleep(AWAKE_S)
+        share = (_seconds(own) - work) / (time.monotonic() - begun) / len(students)
+        ended.set()
+        for each in running:
+            each.result()
+    _say(f"driving, {len(students)} at once: processor of each", share * 100, "% of a core")
+    _say("  command until its answer, p95", _p95(delays) * 1000, "ms")
+    gaps = [b - a for each in stamps.values() for a, b in itertools.pairwise(each)]
+    _say("  between two messages of telemetry, p99", _p95(gaps, 0.99) * 1000, "ms")
+
+
+def _asleep(students: list[StudentClient], own: list[int]) -> None:
+    time.sleep(3.0)
+    begun, work = time.monotonic(), _seconds(own)
+    time.sleep(QUIET_S)
+    share = (_seconds(own) - work) / (time.monotonic() - begun) / len(students)
+    _say("nobody looks: processor of each", share * 100, "% of a core")
+
+
+@contextmanager
+def _class(count: int, port: int) -> Iterator[tuple[str, Path]]:
+    with ExitStack() as stack:
+        folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
+        folder.chmod(0o711)
+        names = folder / "students.csv"
+        names.write_text("\n".join(f"student {n}" for n in range(count)), encoding="utf-8")
+        words = ("class", str(names), "--host", "127.0.0.1", "--port", str(port))
+        begun = time.monotonic()
+        _, address = stack.enter_context(started(*words, says=r"students at (http://\S+)"))
+        _say(f"command until {count} links hold", time.monotonic() - begun, "s")
+        yield address, names.with_suffix(".class")
+
+
+def _processes(folder: Path) -> list[int]:
+    """Return the warm parent and its copies: their command line names the class's folder."""
+    wanted = os.fsencode(folder / "warm.sock")
+    pids = []
+    for place in Path("/proc").glob("[0-9]*"):
+        with suppress(OSError):
+            if wanted in (place / "cmdline").read_bytes():
+                pids.append(int(place.name))
+    return pids
+
+
+def _memory(pid: int, kind: str) -> float:
+    try:
+        lines = Path(f"/proc/{pid}/smaps_rollup").read_text().splitlines()
+    except OSError:
+        return 0.0
+    return sum(float(line.split()[1]) for line in lines if line.startswith(f"{kind}:")) / 1024
+
+
+def _seconds(pids: list[int]) -> float:
+    ticks = 0
+    for pid in pids:
+        with suppress(OSError):
+            fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+            ticks += int(fields[11]) + int(fields[12])
+    return ticks / os.sysconf("SC_CLK_TCK")
+
+
+def _p95(values: list[float], share: float = 0.95) -> float:
+    return sorted(values)[min(len(values) - 1, int(share * len(values)))] if values else 0.0
+
+
+def _say(figure: str, value: float, unit: str) -> None:
+    sys.stdout.write(f"{figure}: {value:.3g} {unit}\n")
+    sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
