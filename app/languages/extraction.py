@@ -35,7 +35,7 @@ SPEAKING = (
     "app/features/course/grader/causes/", "app/features/course/grader/forms.py",
     "app/features/course/grading.py", "app/features/course/lessons/",
     "app/features/course/sandbox/audit.py",
-    "app/page/profile.py", "app/features/recordings/files/file_kinds.py",
+    "app/features/weighing/ray_profile.py", "app/features/recordings/files/file_kinds.py",
     "app/features/recordings/files/mcap_reader.py", "app/features/recordings/recorder.py",
     "app/features/recordings/replay/opening.py", "app/features/recordings/replay/position.py",
     "app/features/recordings/replay/recorded_robot.py",

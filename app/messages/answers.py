@@ -125,29 +125,6 @@ class FieldsMessage(Message):
     names: list[str]
 
 
-class ProfileMessage(Message):
-    """What the scanner saw along one ray of the newest frame."""
-
-    stamp: float
-    ray: int
-    bearing: float
-    distances: list[float]
-    """Distance of each sample from the rays' centre, on the floor [m]."""
-    grey: list[float]
-    """Brightness, 0 to 255."""
-    response: list[float]
-    """Response of the edge kernel, in grey levels; negative where it gets darker."""
-    threshold: float
-    entry: float | None
-    """Distance of the entry edge [m]."""
-    exit: float | None
-    width: float | None
-    """Width measured across the line [m]."""
-    counted: bool
-    why: str
-    """Why the ray counted or not, in plain words."""
-
-
 class ProblemMessage(Message):
     """One entry of the record of problems."""
 

@@ -14,7 +14,6 @@ from app.messages.answers import (
     LanguageMessage,
     ParameterMessage,
     ProblemsMessage,
-    ProfileMessage,
 )
 from app.messages.commands import AckMessage, ErrorMessage
 from app.messages.message import Message
@@ -22,7 +21,7 @@ from app.messages.telemetry import PictureMessage, TelemetryMessage
 
 MESSAGES: tuple[type[Message], ...] = (
     TelemetryMessage, PictureMessage, AckMessage, ErrorMessage, AccessMessage, HealthMessage,
-    FieldMessage, ParameterMessage, ProfileMessage, ProblemsMessage, LanguageMessage,
+    FieldMessage, ParameterMessage, ProblemsMessage, LanguageMessage,
 )  # fmt: skip
 """What the core sends."""
 

@@ -33,7 +33,7 @@ class ViewError(BrickPoseError, RuntimeError):
     """The page could not be served."""
 
 
-def view(program: LocalProgram, *, height: int = HEIGHT_PX, port: int = 0) -> View:
+def view(program: LocalProgram, *, height: int = HEIGHT_PX, port: int = 0) -> ShownPage:
     """Show the page of a program; as the last line of a notebook's cell, it appears below.
 
     The engine is not run by it: ``program.engine.step()`` goes on by a tick, and the page shows
@@ -49,10 +49,10 @@ def view(program: LocalProgram, *, height: int = HEIGHT_PX, port: int = 0) -> Vi
         ViewError: the page could not be served.
         SettingError: the port is in use.
     """
-    return View(program, height, port)
+    return ShownPage(program, height, port)
 
 
-class View:
+class ShownPage:
     """A page that is served until ``close``; a context that closes it."""
 
     def __init__(self, program: LocalProgram, height: int = HEIGHT_PX, port: int = 0) -> None:
@@ -73,7 +73,7 @@ class View:
                 raise ViewError(f"the page could not be served at {self.address}")
             time.sleep(0.01)
 
-    def __enter__(self) -> View:
+    def __enter__(self) -> ShownPage:
         return self
 
     def __exit__(

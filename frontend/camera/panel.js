@@ -128,6 +128,7 @@ export class CameraPanel {
 
   /** @param {(profile: RayProfile) => void} act */
   async #withProfile(act) {
+    if (this.#profileButton.hasAttribute("data-absent")) return;
     const { RayProfile } = await import("./profile.js");
     this.profile ??= new RayProfile(this.loop, () => this.#selected());
     this.profile.count = this.#rays.length;

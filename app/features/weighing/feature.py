@@ -1,4 +1,4 @@
-"""What weighing adds: the page asks what a scan says of a pose, and steps the filter by hand."""
+"""What weighing adds: what a scan says of a pose and along a ray, and the filter by hand."""
 
 from app.feature import Feature, Late
 
@@ -8,6 +8,7 @@ FEATURE = Feature(
     routers=(
         Late("app.features.weighing.routes:weighing_router"),
         Late("app.features.weighing.filter_by_hand:hand_router"),
+        Late("app.features.weighing.ray_profile:ray_router"),
     ),
     commands=(Late("app.features.weighing.hand_commands:COMMANDS"),),
     messages=(Late("app.features.weighing.messages:MESSAGES"),),

@@ -8,6 +8,29 @@ from app.messages.message import CommandMessage, Message
 from app.messages.telemetry import PoseMessage
 
 
+class ProfileMessage(Message):
+    """What the scanner saw along one ray of the newest frame."""
+
+    stamp: float
+    ray: int
+    bearing: float
+    distances: list[float]
+    """Distance of each sample from the rays' centre, on the floor [m]."""
+    grey: list[float]
+    """Brightness, 0 to 255."""
+    response: list[float]
+    """Response of the edge kernel, in grey levels; negative where it gets darker."""
+    threshold: float
+    entry: float | None
+    """Distance of the entry edge [m]."""
+    exit: float | None
+    width: float | None
+    """Width measured across the line [m]."""
+    counted: bool
+    why: str
+    """Why the ray counted or not, in plain words."""
+
+
 class PoseFitMessage(PoseMessage):
     """How the scan fits a pose."""
 
@@ -139,4 +162,4 @@ class FilterUndoCommand(CommandMessage):
     type: Literal["filter_undo"]
 
 
-MESSAGES = (PoseFitsMessage, LandscapeMessage, HeadingsMessage, HandStepMessage)
+MESSAGES = (ProfileMessage, PoseFitsMessage, LandscapeMessage, HeadingsMessage, HandStepMessage)

@@ -11,12 +11,12 @@ import websockets
 from serving import ServedProgram, ask, telemetry
 from websockets.sync.client import connect
 
+from app.features.weighing.messages import ProfileMessage
 from app.messages.answers import (
     FieldMessage,
     HealthMessage,
     ParameterMessage,
     ProblemsMessage,
-    ProfileMessage,
 )
 from app.messages.telemetry import PictureMessage, TelemetryMessage
 from app.settings.config import FRONTEND

@@ -28,6 +28,12 @@ OPPOSITE: dict[type[ast.AST], tuple[type[ast.AST], ...]] = {
     ast.BitOr: (ast.BitAnd,),
     ast.Eq: (ast.NotEq, ast.Lt, ast.Gt),
 }
+RANKS = (
+    "sine", "S4", "arctan", "half-cell", "slip-comparison", "slip-sign", "slip-brackets",
+    "slip-order", "slip-operator", "slip-function", "slip-number", "slip-too-much", "slip-name",
+    "slip-missing",
+)  # fmt: skip
+"""Causes in the order in which they are tried; what has a name of its own comes first."""
 SIGNS, COMPARISONS = (ast.Add, ast.Sub), (ast.cmpop, ast.boolop, ast.BitAnd, ast.BitOr)
 FUNCTIONS: dict[str, tuple[str, ...]] = {
     "sin": ("cos", "tan"), "cos": ("sin",), "tan": ("sin", "cos"), "arctan": ("tan",),
@@ -159,14 +165,6 @@ def mended(source: str, functions: Iterable[str]) -> Iterator[tuple[Edit, str]]:
 def _rank(edit: Edit) -> tuple[int, bool]:
     missing = "slip-missing" if edit.kind[0] == "wrapped" else edit.cause
     return RANKS.index(missing), edit.kind[0] == "term"
-
-
-RANKS = (
-    "sine", "S4", "arctan", "half-cell", "slip-comparison", "slip-sign", "slip-brackets",
-    "slip-order", "slip-operator", "slip-function", "slip-number", "slip-too-much", "slip-name",
-    "slip-missing",
-)  # fmt: skip
-"""Causes in the order in which they are tried; what has a name of its own comes first."""
 
 
 def _chosen(candidates: list[Edit]) -> Iterator[tuple[Edit, ...]]:

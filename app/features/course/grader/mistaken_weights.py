@@ -15,6 +15,11 @@ HIT, RANDOM = 0.95, 0.05
 """Share of rays that end at tape, and of those that end anywhere."""
 SIGMA = 0.04
 """Standard deviation of where a ray ends [m]."""
+OFF: dict[str, tuple[int, int]] = {
+    "row-before": (-1, 0), "row-after": (1, 0), "column-before": (0, -1), "column-after": (0, 1),
+    "cell-before": (-1, -1), "cell-after": (1, 1),
+}  # fmt: skip
+"""Rows and columns by which a cell is missed."""
 NARROW = {
     "half-left-out": 0.5**0.5, "half": 0.5, "tenth": 0.1, "hundredth": 0.01, "mm": 0.001,
     "fourth-power": SIGMA, "third-power": SIGMA**0.5,
@@ -124,13 +129,6 @@ def _joined(likelihood: Array, mistakes: frozenset[str]) -> Array:
 def _log_sum(likelihood: Array) -> Array:
     result: Array = np.log(likelihood).sum(axis=1)
     return result
-
-
-OFF: dict[str, tuple[int, int]] = {
-    "row-before": (-1, 0), "row-after": (1, 0), "column-before": (0, -1), "column-after": (0, 1),
-    "cell-before": (-1, -1), "cell-after": (1, 1),
-}  # fmt: skip
-"""Rows and columns by which a cell is missed."""
 
 
 def _shared(likelihood: Array) -> Array:

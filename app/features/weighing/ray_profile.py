@@ -4,15 +4,40 @@ from __future__ import annotations
 
 import math
 
+from fastapi import APIRouter, HTTPException
+
+from app.engine.program import Program
+from app.features.weighing.messages import ProfileMessage
 from app.languages.marking import phrase
-from app.messages.answers import ProfileMessage
+from app.messages.answers import refusal
 from robot.errors import BrickPoseError
 from robot.scanning.line_scanner import LineScan, LineScanner
 from robot.scanning.tape_edges import Verdict
 
+NO_PICTURE = refusal(503, "before the camera's first picture")
+
 
 class RayError(BrickPoseError, IndexError):
     """There is no such ray."""
+
+
+def ray_router(program: Program) -> APIRouter:
+    """Serve what the scanner saw along single rays."""
+    router = APIRouter()
+
+    @router.get("/api/ray/{ray}", responses=NO_PICTURE | refusal(404, "no such ray"))
+    def ray_profile(ray: int) -> ProfileMessage:
+        """What the scanner saw along one ray of the newest picture, and why it counted or not."""
+        program.engine.audience.visit()
+        latest = program.engine.latest.get()
+        if latest is None or latest.filter.line_scan is None or latest.filter.scanner is None:
+            raise HTTPException(503, "The camera has sent no picture yet.")
+        try:
+            return profile(latest.filter.scanner, latest.filter.line_scan, ray)
+        except RayError as error:
+            raise HTTPException(404, str(error)) from error
+
+    return router
 
 
 def profile(scanner: LineScanner, line_scan: LineScan, ray: int) -> ProfileMessage:
