@@ -355,7 +355,7 @@ export interface FieldMessage {
 
 /**
  * Drive the open-loop figure-eight. It holds as long as drive does, and continues if renewed. The
- * robot stands until then; after three seconds the figure-eight begins again.
+ * robot stands until then; after five seconds the figure-eight begins again.
  */
 export interface FigureEightCommand {
   /** Repeated in the answer. */

@@ -30,7 +30,7 @@ class FigureEightCommand(CommandMessage):
     """Drive the open-loop figure-eight.
 
     It holds as long as drive does, and continues if renewed. The robot stands until then; after
-    three seconds the figure-eight begins again.
+    five seconds the figure-eight begins again.
     """
 
     type: Literal["figure_eight"]

@@ -129,7 +129,7 @@ def test_a_page_that_is_closed_stops_it(bench):
     assert bench.status.state == "canceled"
 
 
-def test_it_stands_while_nothing_is_heard_goes_on_and_ends_after_three_seconds(bench):
+def test_it_stands_while_nothing_is_heard_goes_on_and_ends_after_five_seconds(bench):
     bench.send(FAR)
     bench.go(2.0)
     bench.go(0.5, renew=False)
@@ -138,7 +138,10 @@ def test_it_stands_while_nothing_is_heard_goes_on_and_ends_after_three_seconds(b
     assert "nothing is heard" in bench.status.reason
     bench.go(0.5)
     assert bench.status.state == "driving"
-    bench.go(4.0, renew=False)
+    bench.go(4.5, renew=False)
+    assert bench.now.twist == Twist2()
+    assert bench.status.state == "waiting"
+    bench.go(1.0, renew=False)
     assert bench.status.state == "canceled"
     assert bench.now.mode == "idle"
 
