@@ -17,12 +17,14 @@ from app.messages.answers import content, refusal
 from app.page.application import new_application
 from app.page.camera_stream import STREAM, CameraStream
 from app.page.faults import faults_router
-from app.page.field import NO_PICTURE, field_router
+from app.page.field import field_router
 from app.page.outlets import Outlets
 from app.page.state import state_router
 from app.page.tokens import Tokens
 from app.page.view.cameras import Look
 from app.page.view.view import UPDATES_HZ, View
+
+NO_PICTURE = refusal(503, "before the camera's first picture")
 
 
 def create_app(

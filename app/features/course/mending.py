@@ -60,6 +60,8 @@ def mend(
 ) -> Mended | None:
     """Return the first small change with which all measured cases pass; None if there is none."""
     order = _quick_first(measured)
+    if not order:
+        return None
     try:
         changes = _limited(student.source, checks, order[0])
     except (SyntaxError, ValueError, RecursionError, MemoryError):

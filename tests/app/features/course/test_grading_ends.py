@@ -187,14 +187,14 @@ FORGED = [10**400, float("nan"), float("inf"), 1e308, "x", True, {}, [], {"parts
 class Liar:
     """Answers each question by one message, as the code of a student can send it."""
 
-    broken = False
+    broken, path, source = False, "mine.py", ""
 
     def __init__(self, names: tuple[str, ...], value: object) -> None:
         self.names = names
         body = json.dumps({"result": value, "after": {"parts": [value]}, "linked": value}).encode()
         self._message = wire.unpack(body)
 
-    def call(self, *_question: object) -> Answer:
+    def call(self, *_question: object, **_rest: object) -> Answer:
         return _checked(self._message)
 
 

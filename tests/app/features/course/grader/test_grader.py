@@ -161,7 +161,6 @@ BEGINNERS = [
     (
         "no-return", 3,
         ("seen = np.isfinite(ranges)", "seen = ranges > 0"),
-        ("[rows, columns]", "[tuple(np.clip(c, 0, n - 1) for c, n in zip((rows, columns), field.distances.shape))]"),  # noqa: E501
     ),
     ("sum", 3, ("np.log(0.95 * fit + 0.05).sum", "(0.95 * fit + 0.05).sum")),
     ("motion-lost", 6, ("poses = parts.motion(poses, moved)", "parts.motion(poses, moved)")),
