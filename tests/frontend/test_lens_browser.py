@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from board_pictures import CHESSBOARD, lens_of, picture, poses
 from board_robot import board_robot
-from browsing import PATIENCE_MS
+from browsing import PATIENCE_MS, show_all
 from playwright.sync_api import Browser, Page, expect
 
 from app.features.calibration.lens import desk
@@ -32,7 +32,7 @@ NAMELESS = """() => [...document.querySelectorAll("button, input, select, canvas
 
 @contextmanager
 def page_at(browser: Browser, address: str, path: str) -> Iterator[Page]:
-    context = browser.new_context(viewport={"width": 1100, "height": 760})
+    context = show_all(browser.new_context(viewport={"width": 1100, "height": 760}))
     context.set_default_timeout(PATIENCE_MS)
     complaints: list[str] = []
     page = context.new_page()

@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from browsing import PATIENCE_MS, visit
+from browsing import PATIENCE_MS, show_all, visit
 from playwright.sync_api import expect
 from serving import serving, started
 
@@ -28,6 +28,7 @@ def address(tmp_path_factory):
 @pytest.fixture(params=WORDS)
 def page(request, browser):
     context = browser.new_context(locale=request.param, viewport={"width": 1600, "height": 1000})
+    show_all(context)
     context.set_default_timeout(PATIENCE_MS)
     made = context.new_page()
     made.route("**/view/**", lambda route: route.fulfill(body="<p>no 3D here</p>"))

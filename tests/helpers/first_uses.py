@@ -73,6 +73,12 @@ def drive_with_each() -> None:
         program.engine.commands.put(goal)
         for _ in range(JOURNEY_TICKS):
             program.engine.step()
+    # Without a place, a robot with a goal looks around.
+    found = SetParametersCommand(type="set_parameters", values={"filter": "hypotheses"})
+    for command in (found, ScatterCommand(type="scatter"), GOALS[0]):
+        program.engine.commands.put(command)
+    for _ in range(SEARCH_TICKS):
+        program.engine.step()
     program.robot.close()
 
 
