@@ -18,6 +18,8 @@ const SOONEST_MS = 25;
 const SILENT_MS = 400;
 /** The robot waits so long for the renewal of a programme: GAP_S of app/engine/driving.py [ms]. */
 const WAITS_MS = 5000;
+/** A pause is noticed by so much later than the robot waits from [ms]: what is sent last may not arrive. */
+const NOTICED_MS = 2 * SILENT_MS;
 /** A programme is renewed so often within the time-out of drive commands. */
 const RENEWALS = 5;
 /** Turning speed at full stick [rad/s] for each m/s of the chosen speed. */
@@ -262,7 +264,7 @@ export class Drive {
     if (stopped) return this.endBy("stopped");
     if (this.#mode !== this.programme) {
       // A drive that came to its own end meanwhile needs no words here.
-      return now - this.#sent > WAITS_MS ? this.endBy("away") : this.#forget();
+      return now - this.#sent > WAITS_MS - NOTICED_MS ? this.endBy("away") : this.#forget();
     }
     this.#sent = now;
     this.send(this.programmed(this.programme));
