@@ -1,15 +1,18 @@
 // @ts-check
 /** The class on a student's page: the teacher's words, whether the class is frozen, one's hand. */
 
-import { t } from "../../page/language.js";
-
 const EVERY_MS = 2000;
+const TEXTS = {
+  en: { raise: "Raise my hand", lower: "Take my hand down", frozen: "Eyes to the front: the teacher has frozen all robots." },
+  de: { raise: "Melden", lower: "Nicht mehr melden", frozen: "Augen nach vorn: alle Roboter sind angehalten." },
+};
 const ADDRESS = "classroom";
 
 /** @typedef {{frozen: boolean, message: string, hand: boolean}} ClassState */
 
 /** @param {HTMLElement} body */
 export function panel(body) {
+  const words = document.documentElement.lang === "de" ? TEXTS.de : TEXTS.en;
   const button = document.createElement("button");
   button.id = "class-hand";
   button.type = "button";
@@ -25,12 +28,12 @@ export function panel(body) {
 
   /** @param {ClassState} state */
   function show({ frozen, message, hand }) {
-    const text = [frozen ? t("Eyes to the front: the teacher has frozen all robots.") : "", message].filter(Boolean).join(" ");
+    const text = [frozen ? words.frozen : "", message].filter(Boolean).join(" ");
     if (banner.textContent !== text) banner.textContent = text;
     if (text && !banner.isConnected) document.body.append(banner);
     if (!text) banner.remove();
     told.textContent = message;
-    button.textContent = hand ? t("Take my hand down") : t("Raise my hand");
+    button.textContent = hand ? words.lower : words.raise;
     button.setAttribute("aria-pressed", String(hand));
   }
 
