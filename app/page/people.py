@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import secrets
-from urllib.parse import unquote
+from urllib.parse import quote, unquote
 
 from starlette.requests import HTTPConnection
 from starlette.responses import Response
@@ -35,6 +35,7 @@ def know(request: HTTPConnection, answer: Response) -> None:
         answer.set_cookie(
             name,
             secrets.token_urlsafe(16),
+            path=quote(request.scope.get("root_path", "")) + "/",
             httponly=True,
             samesite="strict",
             secure=request.url.scheme == "https",

@@ -2,6 +2,7 @@
 /** Whose page this is: the server knows a browser by a cookie, or this tab by its own number. */
 
 const NAME = "brickpose-name";
+const ROOT = new URL("../../", import.meta.url);
 const YEAR_S = 365 * 24 * 3600;
 const TAB = "brickpose.tab";
 
@@ -17,7 +18,7 @@ export function personName() {
 /** Keep the name in this browser. @param {string} name */
 export function keepName(name) {
   const age = name === "" ? 0 : YEAR_S;
-  document.cookie = `${NAME}=${encodeURIComponent(name)}; Max-Age=${age}; Path=/; SameSite=Strict`;
+  document.cookie = `${NAME}=${encodeURIComponent(name)}; Max-Age=${age}; Path=${ROOT.pathname}; SameSite=Strict`;
 }
 
 /** A number of this tab, which a reload keeps. */

@@ -6,7 +6,7 @@ import re
 from urllib.parse import urlsplit
 
 import pytest
-from browsing import PATIENCE_MS, visit
+from browsing import PATIENCE_MS, show_all, visit
 from playwright.sync_api import expect
 from reverse_proxies import needs_proxy, proxied
 from serving import started
@@ -33,7 +33,7 @@ def address(request, tmp_path_factory):
 
 @pytest.fixture
 def page(browser, address):
-    context = browser.new_context(viewport={"width": 1280, "height": 800})
+    context = show_all(browser.new_context(viewport={"width": 1280, "height": 800}))
     context.set_default_timeout(PATIENCE_MS)
     made = context.new_page()
     wrong: list[str] = []
@@ -64,7 +64,7 @@ def test_cookies_are_confined_to_the_path(page, address):
     page.locator("#language").select_option("de", force=True)
     page.wait_for_function("document.documentElement.lang === 'de'")
     cookies = {cookie["name"]: cookie["path"] for cookie in page.context.cookies()}
-    assert len(cookies) == 2
+    assert len(cookies) == 3
     assert set(cookies.values()) == {urlsplit(address).path}
     assert "token" not in page.url
 
