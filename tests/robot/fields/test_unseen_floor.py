@@ -21,7 +21,7 @@ from robot.scan import Scan, rays_of
 SQUARE = np.array([[0, 0], [1, 0], [1, 1], [0, 1.0]])
 HOLE = np.array([[0.4, 0.4], [0.6, 0.4], [0.6, 0.6], [0.4, 0.6]])
 TAPE = 'stroke="#222" stroke-width="50" fill="none"'
-MARGIN = (REACH + 1.5) * SIDE
+MARGIN = (REACH + 2.5) * SIDE
 """Between what counts as seen and the outlines."""
 
 
