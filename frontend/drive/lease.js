@@ -18,7 +18,7 @@ const SOONEST_MS = 25;
 const SILENT_MS = 400;
 /** The robot waits so long for the renewal of a programme: GAP_S of app/engine/driving.py [ms]. */
 const WAITS_MS = 5000;
-/** A pause is noticed by so much later than the robot waits from [ms]: what is sent last may not arrive. */
+/** The robot hears a page last up to so long before the page sent last [ms]. */
 const NOTICED_MS = 2 * SILENT_MS;
 /** A programme is renewed so often within the time-out of drive commands. */
 const RENEWALS = 5;

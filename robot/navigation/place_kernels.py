@@ -26,6 +26,15 @@ def _distance(cells: Cells, frame: Array, x: float, y: float) -> float:
     return float(cells[row, column])
 
 
+@compiled(inline="always")
+def _distance_at(
+    cells: Cells, frame: Array, place: tuple[float, float, float, float], x: float, y: float
+) -> float:
+    """Return the distance [m] at a point in the frame of a place: x, y, cosine and sine."""
+    left, bottom, cos, sin = place
+    return _distance(cells, frame, left + cos * x - sin * y, bottom + sin * x + cos * y)
+
+
 @compiled()
 def scores(
     places: Array, hits: Array, clear: Array, cells: Cells, frame: Array, costs: Array
@@ -44,25 +53,14 @@ def scores(
     result = np.zeros(len(places))
     inverse = 0.5 / (costs[0] * costs[0])
     for place in range(len(places)):
-        x, y = places[place, 0], places[place, 1]
-        cos, sin = math.cos(places[place, 2]), math.sin(places[place, 2])
+        x, y, theta = places[place, 0], places[place, 1], places[place, 2]
+        transform = x, y, math.cos(theta), math.sin(theta)
         total = 0.0
         for k in range(len(hits)):
-            away = _distance(
-                cells,
-                frame,
-                x + cos * hits[k, 0] - sin * hits[k, 1],
-                y + sin * hits[k, 0] + cos * hits[k, 1],
-            )
+            away = _distance_at(cells, frame, transform, hits[k, 0], hits[k, 1])
             total += min(away * away * inverse, costs[1])
         for k in range(len(clear)):
-            away = _distance(
-                cells,
-                frame,
-                x + cos * clear[k, 0] - sin * clear[k, 1],
-                y + sin * clear[k, 0] + cos * clear[k, 1],
-            )
-            if away <= 0.0:
+            if _distance_at(cells, frame, transform, clear[k, 0], clear[k, 1]) <= 0.0:
                 total += costs[2]
         result[place] = -total
     return result
@@ -73,15 +71,10 @@ def rooms(places: Array, points: Array, cells: Cells, frame: Array) -> Array:
     """Return the smallest distance (n,) [m] of points (k, 2) in the frame of places (n, 3)."""
     result = np.full(len(places), np.inf)
     for place in range(len(places)):
-        x, y = places[place, 0], places[place, 1]
-        cos, sin = math.cos(places[place, 2]), math.sin(places[place, 2])
+        x, y, theta = places[place, 0], places[place, 1], places[place, 2]
+        transform = x, y, math.cos(theta), math.sin(theta)
         for k in range(len(points)):
-            room = _distance(
-                cells,
-                frame,
-                x + cos * points[k, 0] - sin * points[k, 1],
-                y + sin * points[k, 0] + cos * points[k, 1],
-            )
+            room = _distance_at(cells, frame, transform, points[k, 0], points[k, 1])
             result[place] = min(result[place], room)
     return result
 
@@ -113,19 +106,14 @@ def reaches(
         turned_cos, turned_sin = math.cos(theta), math.sin(theta)
         kept = margin
         for step in range(len(steps)):
-            cos, sin = math.cos(theta + steps[step, 2]), math.sin(theta + steps[step, 2])
             to_x = x + turned_cos * steps[step, 0] - turned_sin * steps[step, 1]
             to_y = y + turned_sin * steps[step, 0] + turned_cos * steps[step, 1]
+            turned = theta + steps[step, 2]
+            transform = to_x, to_y, math.cos(turned), math.sin(turned)
             room = np.inf
             for k in range(len(rim)):
                 if not (known[step, k] and step):
-                    px, py = rim[k, 0], rim[k, 1]
-                    room = min(
-                        room,
-                        _distance(
-                            cells, frame, to_x + cos * px - sin * py, to_y + sin * px + cos * py
-                        ),
-                    )
+                    room = min(room, _distance_at(cells, frame, transform, rim[k, 0], rim[k, 1]))
             if step == 0:
                 kept = min(margin, room)
             elif room < kept:
