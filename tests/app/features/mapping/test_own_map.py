@@ -1,0 +1,52 @@
+"""A robot knows its place in a map that it drew itself, and in which tape is missing."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from mappings import field_of, laid_on, mapped
+from simulators import require_engine
+
+from app.features.lab.evaluation.drives import follow_drive
+from app.features.lab.evaluation.integrity.drives import NONE, lap_drive
+from app.settings.config import MAPS, Config
+from robot.fields.field import Field
+from robot.fields.field_loading import load_field
+from robot.geometry import Pose2
+from robot.localization.estimate import State
+
+pytestmark = pytest.mark.slow
+
+KNOWN = np.diag([1e-4, 1e-4, 1e-3])
+
+
+def test_where_nobody_looked_tape_neither_is_due_nor_forbidden() -> None:
+    """Of *tee*, a figure-eight of 12 s shows no end of two strokes, and not all of the right."""
+    require_engine("mujoco")
+    drawn, poses = mapped("tee", 9001, seconds=12.0)
+    own, floor_from_map = field_of(drawn), laid_on(drawn, poses, load_field("tee", MAPS))
+    error, certain = followed(own, floor_from_map)
+    assert error < 0.004
+    assert certain == 1.0
+    doubted, _ = followed(replace(own, seen=()), floor_from_map)
+    assert doubted > 0.05
+
+
+def followed(believed: Field, floor_from_map: Pose2) -> tuple[float, float]:
+    """Root mean square of the distances from the truth [m], and the share of certain pictures."""
+    config = Config(robot="sim", map="tee", seed=9501)
+    drive = lap_drive(config, 2, NONE).drive
+    start = floor_from_map.inverse() @ drive.ticks[0].truth
+    offsets, states = [], []
+    for tick, _, localization in follow_drive(
+        drive, config, lambda it: it.set_pose_with(start, KNOWN), believed=believed
+    ):
+        assert localization.belief is not None
+        assert tick.scan is not None and tick.odometry_at_scan is not None
+        pose = localization.belief.pose(tick.odometry_at_scan)
+        offsets.append((floor_from_map @ pose).distance_to(drive.truth_at(tick.scan.stamp)))
+        states.append(localization.integrity.state)
+    rms = float(np.sqrt(np.mean(np.square(offsets))))
+    return rms, float(np.mean([state is State.CERTAIN for state in states]))
