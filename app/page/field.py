@@ -6,12 +6,7 @@ import cv2
 from fastapi import APIRouter, Response
 
 from app.engine.program import Program
-from app.messages.answers import (
-    FieldMessage,
-    FieldsMessage,
-    ParameterMessage,
-    content,
-)
+from app.messages.answers import FieldMessage, FieldsMessage, ParameterMessage, content
 from app.page.parameters import parameter_messages
 from app.page.shown_floor import shown_floor
 from app.page.telemetry import field_message

@@ -25,7 +25,7 @@ import shapely
 
 from robot.fields.drawing.coats import coats_of
 from robot.fields.drawing.question import ask, refuse_invisible, refuse_thin
-from robot.fields.drawing.shapes import Page
+from robot.fields.drawing.shapes import MAX_MM, Page
 from robot.fields.drawing.slits import without_slits
 from robot.fields.drawing.svg_file import parse, read_bytes
 from robot.fields.drawing.svg_shapes import read_page
@@ -151,11 +151,11 @@ def _start(text: str) -> Pose2:
 def _seen(text: str) -> tuple[Array, ...]:
     outlines = []
     for part in text.split(";") if text.strip() else ():
-        values = numbers(part)
-        if values is None or len(values) < 6 or len(values) % 2:
+        values = numbers(part) or [math.inf]
+        if len(values) < 6 or len(values) % 2 or not max(map(abs, values)) <= MAX_MM:
             raise SvgError(
-                f"{SEEN} has {shown(part)}; valid are x and y [mm] of three corners or more, and "
-                "a semicolon between outlines"
+                f"{SEEN} has {shown(part)}; valid are x and y of three corners or more, up to "
+                f"{MAX_MM:g} mm, and a semicolon between outlines"
             )
         outlines.append(np.array(values).reshape(-1, 2) / 1000)
     return tuple(outlines)

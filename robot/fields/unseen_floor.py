@@ -20,8 +20,8 @@ SIDE = 0.02
 """Side of a cell [m]: rays that end at tape leave a cell of its edge open at most."""
 REACH = 2
 """Cells around the seen floor that count as seen: gaps between rays, and edges of tape."""
-MOST_CELLS = 4_000_000
-"""Of larger maps, cells are larger."""
+MOST_ACROSS = 2000
+"""Cells along the longer side of a map; of larger maps, cells are larger."""
 FRACTION_BITS = 4
 """Corners of polygons are rounded to a sixteenth of a cell."""
 
@@ -47,16 +47,28 @@ class UnseenFloor(NamedTuple):
             return cls(np.zeros((0, 0), np.uint8), 0.0, 0.0, SIDE)
         points = np.vstack(list(polygons))
         size = np.ptp(points, axis=0)
-        side = max(SIDE, math.sqrt(float(np.prod(size + 4 * REACH * SIDE)) / MOST_CELLS))
+        side = cell_side(size)
         left, bottom = (points.min(axis=0) - REACH * side).tolist()
         columns, rows = (np.ceil(size / side).astype(int) + 2 * REACH).tolist()
         seen = np.zeros((rows, columns), np.uint8)
-        # OpenCV counts from the middle of the first cell.
-        cells = [((each - (left, bottom)) / side - 0.5) * (1 << FRACTION_BITS) for each in polygons]
-        whole = [np.rint(each).astype(np.int32) for each in cells]
-        cv2.fillPoly(seen, whole, 1, shift=FRACTION_BITS)
+        fill(seen, [(each - (left, bottom)) / side for each in polygons])
         grown = cv2.dilate(seen, np.ones((2 * REACH + 1, 2 * REACH + 1), np.uint8))
         return cls(np.ascontiguousarray(grown, np.uint8), left, bottom, side)
+
+
+def cell_side(size: Array) -> float:
+    """Return the side of cells for a floor of a size (2,) [m]."""
+    return max(SIDE, float(size.max()) / MOST_ACROSS)
+
+
+def fill(cells: NDArray[np.uint8], polygons: Sequence[Array]) -> None:
+    """Set cells (h, w) within polygons (n, 2); what lies in two of them is a hole.
+
+    Corners are in cells, from the lower left corner of the first one.
+    """
+    # OpenCV counts from the middle of the first cell.
+    corners = [np.rint((each - 0.5) * (1 << FRACTION_BITS)).astype(np.int32) for each in polygons]
+    cv2.fillPoly(cells, corners, 1, shift=FRACTION_BITS)
 
 
 @compiled()

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from robot.fields.edges import outline
 from robot.fields.floor_picture import coverage
 from robot.fields.occupancy_grid import MAX_CELLS, OCCUPIED, UNKNOWN, OccupancyGrid
-from robot.fields.unseen_floor import MOST_CELLS, SIDE
+from robot.fields.unseen_floor import SIDE, cell_side, fill
 from robot.geometry import Array, Pose2
 from robot.mapping.ends import RaysOnFloor
 
@@ -24,8 +24,6 @@ MARGIN = 0.05
 ROUGH = 0.7
 """How far an outline may run beside its cells' middles, in cells. Half and twice: a robot in a map
 of *tee* that has gaps is as well localized."""
-FRACTION_BITS = 4
-"""Corners of polygons are rounded to a sixteenth of a cell."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,18 +46,15 @@ class SeenFloor:
         """Return which cells (h, w) of a side [m] were seen; row 0 is at the bottom."""
         seen = np.zeros(shape, np.uint8)
         for polygon in self.polygons:
-            # OpenCV counts from the middle of the first cell.
-            corners = (origin.inverse().apply(polygon) / side - 0.5) * (1 << FRACTION_BITS)
-            whole = np.rint(corners).astype(np.int32)
-            if len(whole):
-                cv2.fillPoly(seen, [whole], 1, shift=FRACTION_BITS)
+            if len(polygon):
+                fill(seen, [origin.inverse().apply(polygon) / side])
         return seen > 0
 
     def outlines(self) -> tuple[Array, ...]:
         """Return the outlines (n, 2) of all seen floor [m]; one within another is of a hole."""
         points = np.vstack(self.polygons)
         low, size = points.min(axis=0) - 2 * SIDE, np.ptp(points, axis=0) + 4 * SIDE
-        side = max(SIDE, math.sqrt(float(np.prod(size)) / MOST_CELLS))
+        side = cell_side(size)
         columns, rows = np.ceil(size / side).astype(int).tolist()
         cells = self.cells(Pose2(*low.tolist()), side, (rows, columns)).astype(np.uint8)
         # Rays end at tape, and leave it open.

@@ -76,6 +76,19 @@ def test_outlines_that_are_none_are_refused(text):
         field_of_drawing(page(f'data-seen="{text}"'), "it")
 
 
+@pytest.mark.parametrize("text", ["0 0 1e9 0 0 1", "0 0 1e308 0 0 -1e308", "0 0 1 1 nan 0"])
+def test_outlines_beyond_all_floors_are_refused(text):
+    with pytest.raises(FieldError, match="data-seen"):
+        field_of_drawing(page(f'data-seen="{text}"'), "it")
+
+
+def test_a_long_narrow_floor_takes_no_more_memory_than_a_wide_one():
+    strip = np.array([[0, 0], [1000, 0], [1000, 0.1], [0, 0.1]])
+    floor = UnseenFloor.beyond((strip,))
+    assert max(floor.seen.shape) < 2100
+    assert math.isinf(seen_until(1.0, 0.05, 1.0, 0.0, 500.0, floor))
+
+
 def test_tape_on_unseen_floor_is_neither_due_nor_forbidden():
     """At the true pose, a scan of tape that was never drawn is worth as much as a bad place."""
     whole = load_field("square", MAPS)
