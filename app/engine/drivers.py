@@ -28,7 +28,7 @@ class _Gesture:
 
     begun: float
     last: float
-    by_hand: bool = True
+    by_hand: bool = False
     """Whether it holds the robot by hand, or had its journey kept up here: not a programme that it
     renews itself, and goes on with when it is back."""
 
@@ -168,7 +168,10 @@ class Drivers:
             # What the client ordered must not continue without it.
             self._commands.put(StopCommand(type="stop"))
         self._driver = driver
-        self._gestures[driver] = _Gesture(self._clock(), self._clock())
+        # A page may take the drive after the first command by which it drives.
+        earlier = self._gestures.get(driver)
+        by_hand = earlier is not None and earlier.by_hand
+        self._gestures[driver] = _Gesture(self._clock(), self._clock(), by_hand)
 
     def _drive(self, driver: Driver) -> None:
         stamp = self._clock()

@@ -166,12 +166,22 @@ def test_who_leaves_while_driving_stops_the_robot_and_nobody_else_does(floor: Fl
     assert floor.try_to(floor.bob, DRIVE)
 
 
-def test_a_programme_waits_for_whoever_renewed_it(floor: Floor) -> None:
-    floor.drivers.put(floor.ann, EIGHT)
+@pytest.mark.parametrize("commands", [(EIGHT,), (TAKE, EIGHT), (EIGHT, TAKE)])
+def test_a_programme_waits_for_whoever_renewed_it(floor: Floor, commands) -> None:
+    for command in commands:
+        floor.drivers.put(floor.ann, command)
     floor.queue.take()
     floor.drivers.leave(floor.ann)
     assert floor.queue.take() == (), "the robot stands when nobody renews it"
     assert floor.try_to(floor.bob, DRIVE)
+
+
+def test_taking_the_drive_again_while_driving_by_hand_still_stops_at_leaving(floor: Floor) -> None:
+    floor.hold(floor.ann, 0.3)
+    floor.drivers.put(floor.ann, TAKE)
+    floor.queue.take()
+    floor.drivers.leave(floor.ann)
+    assert floor.queue.take() == (STOP,)
 
 
 def test_of_one_person_s_pages_the_one_drives_that_began_last(floor: Floor) -> None:
