@@ -22,7 +22,7 @@ from robot.localization.monitoring.fit_check import FitCheck
 from robot.localization.monitoring.mounting_check import HELD, LASER, CameraPosition, MountingCheck
 from robot.localization.monitoring.odometry_check import OdometryCheck, OdometryErrors
 from robot.localization.monitoring.scan_residuals import GATE, residual_sums
-from robot.localization.monitoring.steady_errors import SteadyErrors, pose_errors
+from robot.localization.monitoring.steady_errors import SteadyErrors, pose_errors, slid
 from robot.localization.ray_evidence import RayEvidence
 from robot.localization.scan_matching import SLOPE, ScanMatcher
 from robot.scan import Scan, rays_of
@@ -108,6 +108,7 @@ class Monitor:
         """Hypothesis and odometry of the last scan."""
         self._seen = -math.inf
         """Stamp at which edges were last seen [s]."""
+        self._slid = np.zeros((3, 3))
         self._torn = False
         """Whether the steps of the pose do not agree with odometry."""
         self._doubted = -math.inf
@@ -179,12 +180,19 @@ class Monitor:
         self.contradicted = self._contradicts(expected, hypothesis)
         if far or self.contradicted:
             self._odometry.restart()
+            self._odometry.doubt_lateness()
             self._causes.forget()
         # On bent tape, the residuals of a pose that is centimetres off would look like a tilt.
         pitch, roll = self._camera.applied.tolist()
-        laid = self._matcher.match(hypothesis.pose, rays, HELD).pose
+        laid = self._matcher.match(hypothesis.pose, rays, HELD)
+        self._slid = slid(
+            self._slid,
+            hypothesis.pose.theta,
+            self._moved(odometry).to_array(),
+            laid.information - HELD,
+        )
         sums, used, returned = residual_sums(
-            laid.to_array(),
+            laid.pose.to_array(),
             rays,
             self._evidence.edge_index,
             self._evidence.range_max,
@@ -237,7 +245,7 @@ class Monitor:
             Whether the last scans fit.
         """
         self._fit.observe(self._evidence, rays_of(scan, BEAMS), pose)
-        self.doubt = replace(self.doubt, fits=self._fit.fits and not self._torn)
+        self.doubt = replace(self.doubt, fits=self._fit.fits)
         return self._fit.fits
 
     @property
@@ -261,6 +269,9 @@ class Monitor:
             return None
         last, before = self._last
         return last.pose @ self.corrected_step(before.inverse() @ odometry)
+
+    def _moved(self, odometry: Pose2) -> Pose2:
+        return Pose2() if self._last is None else self._last[1].inverse() @ odometry
 
     def _contradicts(self, expected: Pose2 | None, hypothesis: Hypothesis) -> bool:
         """Return whether neither odometry nor slip leads to where the robot should be now."""
@@ -301,10 +312,12 @@ class Monitor:
             self.lateness,
             caused,
             caused_spread,
-            self._odometry.step_covariance if recently else NO_DOUBT.covariance,
+            self._odometry.step_covariance if recently and not self._torn else NO_DOUBT.covariance,
         )
         known = known + turned_covariance(self._measured, pose.theta)
-        return Doubt(known, unknown, self._causes.alerts, self._fit.fits and not self._torn)
+        if self._torn:
+            unknown = unknown + self._slid
+        return Doubt(known, unknown, self._causes.alerts, self._fit.fits)
 
 
 def _is_far(expected: Pose2, pose: Pose2) -> bool:

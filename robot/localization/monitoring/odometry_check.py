@@ -27,6 +27,8 @@ LAG, LONGEST = 0.33, 1.2
 LAG: the cause of an error is named in 57.3 % of pictures instead of 60.7; twice: 44.8."""
 ERRORS = ("late", "forward", "turn_by_way", "turn", "ahead", "aside", "yaw")
 USUAL = SteadyErrors()
+LATE_STEP = 0.03
+"""Standard deviation of how much later pictures may come all at once [s]."""
 SETTLING = 1.5
 """Until the robot has driven for this long after a place was given or found, steps ahead and aside
 do not contradict odometry [s]. Time at rest does not count, as the filter then takes no scans.
@@ -109,6 +111,16 @@ class OdometryCheck:
         self.jump()
         self._last, self._followed = None, 0.0
 
+    def doubt_lateness(self) -> None:
+        """Take pictures to be later or earlier than they were by up to LATE_STEP."""
+        added = LATE_STEP**2 - self.errors.covariance[0, 0]
+        if added > 0:
+            before = self._sums.information + self._sums.prior
+            lost = np.outer(before[0], before[0]) / (1 / added + before[0, 0])
+            self._sums.information[:] -= lost
+            self._sums.pull[:] -= lost @ self.errors.values
+            self.errors = self._estimated(estimate_errors(self._sums))
+
     def observe(self, stamp: float, pose: Pose2, odometry: Pose2, covariance: Array) -> None:
         """Add a pose in the map with its covariance (3, 3), and odometry's pose, at a stamp."""
         local = turned_covariance(covariance, -pose.theta)
@@ -118,7 +130,10 @@ class OdometryCheck:
             elapsed = max(stamp - last, 1e-3)
             moved = before_odometry.inverse() @ odometry
             self.twist = Twist2(moved.x / elapsed, moved.theta / elapsed)
+        begins = self._last is None
         self._last = stamp, odometry
+        if begins:
+            return  # its speed is not known
         self._followed += elapsed if elapsed < LONGEST else 0.0
         current = _Step(stamp, pose, odometry, local, self.twist)
         before = self._before(stamp)

@@ -111,8 +111,12 @@ def add_step(
     weights = share / (wide * (1 + unsteady / TAIL))
     sums.information[:] *= keep
     sums.pull[:] *= keep
+    changes = abs(last[0] - first[0]) > CHANGE_V or abs(last[1] - first[1]) > CHANGE_OMEGA
+    if not changes:
+        # The noise of a steady speed would seem to tell that pictures are in time.
+        columns[:, 0] = 0.0
     _add(sums, columns, offset, weights / CORRELATION)
-    if abs(last[0] - first[0]) > CHANGE_V or abs(last[1] - first[1]) > CHANGE_OMEGA:
+    if changes:
         # The second in which the speed changes shall say nothing about the wheels' errors.
         by_wheels = np.zeros(7)
         by_wheels[1:4] = values[1:4]
