@@ -123,21 +123,17 @@ class OdometryCheck:
 
     def observe(self, stamp: float, pose: Pose2, odometry: Pose2, covariance: Array) -> None:
         """Add a pose in the map with its covariance (3, 3), and odometry's pose, at a stamp."""
+        last, self._last = self._last, (stamp, odometry)
+        elapsed = math.inf if last is None else max(stamp - last[0], 1e-3)
+        if last is None or elapsed >= LONGEST:
+            return  # nobody knows how fast it drives
+        moved = last[1].inverse() @ odometry
+        self.twist = Twist2(moved.x / elapsed, moved.theta / elapsed)
+        self._followed += elapsed
         local = turned_covariance(covariance, -pose.theta)
-        elapsed = 0.0
-        if self._last is not None:
-            last, before_odometry = self._last
-            elapsed = max(stamp - last, 1e-3)
-            moved = before_odometry.inverse() @ odometry
-            self.twist = Twist2(moved.x / elapsed, moved.theta / elapsed)
-        begins = self._last is None
-        self._last = stamp, odometry
-        if begins:
-            return  # its speed is not known
-        self._followed += elapsed if elapsed < LONGEST else 0.0
         current = _Step(stamp, pose, odometry, local, self.twist)
         before = self._before(stamp)
-        if before is not None and elapsed < LONGEST:
+        if before is not None:
             self._compare(before, current, elapsed)
         self._steps.append(current)
         while self._steps and stamp - self._steps[0].stamp > LONGEST:
