@@ -109,6 +109,7 @@ class Monitor:
         self._seen = -math.inf
         """Stamp at which edges were last seen [s]."""
         self._slid = np.zeros((3, 3))
+        self._slips, self._lasting, self._offset = False, 0.0, Pose2()
         self._torn = False
         """Whether the steps of the pose do not agree with odometry."""
         self._doubted = -math.inf
@@ -189,7 +190,7 @@ class Monitor:
             self._slid,
             hypothesis.pose.theta,
             self._moved(odometry).to_array(),
-            laid.information - HELD,
+            (laid.information - HELD) / max(laid.misfit, 1.0),
         )
         sums, used, returned = residual_sums(
             laid.pose.to_array(),
@@ -231,7 +232,14 @@ class Monitor:
             self._doubted = scan.stamp
         self.looseness = self._looseness(findings)
         self.lateness = self._lateness(findings.odometry)
-        self._torn = float(findings.odometry.rest.max()) > TORN
+        rest = findings.odometry.rest.tolist()
+        self._torn = max(rest) > TORN
+        if expected is not None and not self.contradicted:
+            offset = expected.inverse() @ hypothesis.pose
+            before, self._offset = self._offset, offset
+            both = offset.x * before.x / 0.06**2 + offset.theta * before.theta
+            self._lasting = math.exp(-elapsed / 3.0) * self._lasting + both
+        self._slips = self._torn and rest[1] < max(rest[0], rest[2]) and self._lasting > 0
         self.doubt = self._doubt(hypothesis.pose, findings)
 
     def watch(self, pose: Pose2, scan: Scan) -> bool:
@@ -245,7 +253,7 @@ class Monitor:
             Whether the last scans fit.
         """
         self._fit.observe(self._evidence, rays_of(scan, BEAMS), pose)
-        self.doubt = replace(self.doubt, fits=self._fit.fits)
+        self.doubt = replace(self.doubt, fits=self._fit.fits and (not self._torn or self._slips))
         return self._fit.fits
 
     @property
@@ -312,12 +320,12 @@ class Monitor:
             self.lateness,
             caused,
             caused_spread,
-            self._odometry.step_covariance if recently and not self._torn else NO_DOUBT.covariance,
+            self._odometry.step_covariance if recently and not self._slips else NO_DOUBT.covariance,
         )
         known = known + turned_covariance(self._measured, pose.theta)
-        if self._torn:
+        if self._slips:
             unknown = unknown + self._slid
-        return Doubt(known, unknown, self._causes.alerts, self._fit.fits)
+        return Doubt(known, unknown, self._causes.alerts, self._fit.fits and (not self._torn or self._slips))
 
 
 def _is_far(expected: Pose2, pose: Pose2) -> bool:

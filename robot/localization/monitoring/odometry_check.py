@@ -27,7 +27,7 @@ LAG, LONGEST = 0.33, 1.2
 LAG: the cause of an error is named in 57.3 % of pictures instead of 60.7; twice: 44.8."""
 ERRORS = ("late", "forward", "turn_by_way", "turn", "ahead", "aside", "yaw")
 USUAL = SteadyErrors()
-LATE_STEP = 0.03
+LATE_STEP = 0.04
 """Standard deviation of how much later pictures may come all at once [s]."""
 SETTLING = 1.5
 """Until the robot has driven for this long after a place was given or found, steps ahead and aside
