@@ -63,8 +63,6 @@ SEEING, BLIND_AFTER, BLIND = 6, 0.3, 2.5
 they err BLIND times as much as each step alone, because slip lasts for about a second, and wheels
 are never exactly as drawn. Half and twice of BLIND: nothing changes beyond chance. Half of SEEING:
 no claim changes; twice: nothing changes beyond chance (``--few``)."""
-DOUBT_KEPT = 5.0
-"""Time after an alert for which the pose may still be off [s]. Half and twice: no claim changes."""
 SCALE_SD, SCALE_DOUBTED = 0.008, 0.015
 """Standard deviation of the scale of a map that is not doubted, and of one that is. Half of
 SCALE_SD: misleading in 0.8 % instead of 0.7; twice: in 0.2, and as many certain (``--few``)."""
@@ -112,8 +110,6 @@ class Monitor:
         self._slips, self._lasting, self._offset = False, 0.0, Pose2()
         self._torn = False
         """Whether the steps of the pose do not agree with odometry."""
-        self._doubted = -math.inf
-        """Stamp of the last alert [s]."""
         self.contradicted = False
         """Whether the newest pose is where neither odometry nor slipping wheels can have led."""
         self.doubt = NO_DOUBT
@@ -228,8 +224,6 @@ class Monitor:
         self._wheels = findings.odometry.of_wheels
         if used >= SEEING:
             self._seen = scan.stamp
-        if self._causes.alerts:
-            self._doubted = scan.stamp
         self.looseness = self._looseness(findings)
         self.lateness = self._lateness(findings.odometry)
         rest = findings.odometry.rest.tolist()
@@ -239,7 +233,7 @@ class Monitor:
             before, self._offset = self._offset, offset
             both = offset.x * before.x / 0.06**2 + offset.theta * before.theta
             self._lasting = math.exp(-elapsed / 3.0) * self._lasting + both
-        self._slips = self._torn and rest[1] < max(rest[0], rest[2]) and self._lasting > 0
+        self._slips = self._torn and rest[2] > max(rest[1], TORN) and self._lasting > 0
         self.doubt = self._doubt(hypothesis.pose, findings)
 
     def watch(self, pose: Pose2, scan: Scan) -> bool:
@@ -310,7 +304,6 @@ class Monitor:
         errors = findings.odometry
         mapped = any(alert.cause is Cause.MAP for alert in self._causes.alerts)
         caused, caused_spread = self._camera.pose_error(SCALE_DOUBTED if mapped else SCALE_SD)
-        recently = findings.stamp - self._doubted < DOUBT_KEPT
         known, unknown = pose_errors(
             pose.theta,
             self._odometry.twist.v,
@@ -320,7 +313,6 @@ class Monitor:
             self.lateness,
             caused,
             caused_spread,
-            self._odometry.step_covariance if recently and not self._slips else NO_DOUBT.covariance,
         )
         known = known + turned_covariance(self._measured, pose.theta)
         if self._slips:

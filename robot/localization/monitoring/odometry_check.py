@@ -86,7 +86,7 @@ class OdometryCheck:
     def __init__(self, errors: SteadyErrors = USUAL) -> None:
         """Begin with how large the errors may be."""
         self._steps: deque[_Step] = deque()
-        empty = (np.zeros(size) for size in ((7, 7), 7, 3, 3, 3, 3, 2))
+        empty = (np.zeros(size) for size in ((7, 7), 7, 3, 3, 3, 2))
         self._sums = StepSums(np.diag(errors.odometry**-2), *empty)
         self._last: tuple[float, Pose2] | None = None
         """Stamp and odometry of the last pose; where odometry is, no jump of the pose changes."""
@@ -168,9 +168,3 @@ class OdometryCheck:
     def _estimated(self, result: tuple[Array, Array, Array]) -> OdometryErrors:
         values, covariance, rest = result
         return OdometryErrors(values, covariance, rest, float(self._sums.counts[0]))
-
-    @property
-    def step_covariance(self) -> Array:
-        """Covariance (3, 3) of the unexplained rest of steps, along the robot's axes."""
-        left: Array = np.diag(self._sums.wiggle / (self._sums.counts[1] + 1))
-        return left

@@ -24,8 +24,6 @@ TELLING, CHANGE_V, CHANGE_OMEGA = 2.0, 0.05, 0.4
 is the same before and after it, and lateness shows."""
 MOST = 100.0
 """Largest square that a step counts for, in its spreads."""
-MOST_WIGGLE = np.square([0.05, 0.05, 0.2])
-"""Largest square of an unexplained rest that counts [m², m², rad²]."""
 SMALL = 1e-4
 """Step of derivatives by differences [m, rad, s]."""
 
@@ -45,8 +43,6 @@ class StepSums(NamedTuple):
     """(3,) how many such steps there were; one counts as far as its poses were known."""
     squares: Array
     """(3,) squares of that rest without its mean, in its spreads."""
-    wiggle: Array
-    """(3,) squares of that rest [m², m², rad²]."""
     counts: Array
     """(2,): number of steps, and of the last seconds' steps."""
 
@@ -124,7 +120,6 @@ def add_step(
         columns[:, 1:4] = 0.0
         _add(sums, columns, beside_wheels, min(TELLING, 1 / share) * weights)
     sums.squares[:] = recent * sums.squares + share * np.minimum(unsteady, MOST)
-    sums.wiggle[:] = recent * sums.wiggle + share * np.minimum(left**2, MOST_WIGGLE)
     sums.counts[0] = keep * sums.counts[0] + share
     return estimate_errors(sums)
 
