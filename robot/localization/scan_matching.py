@@ -39,8 +39,6 @@ class Match:
     """(3, 3) inverse of the covariance [m, m, rad]; singular in directions without measurement."""
     used: int
     """Number of rays that fit."""
-    misfit: float
-    """Cauchy's cost of a ray, about its squared residual in standard deviations: 1 is usual."""
 
 
 class ScanMatcher(NamedTuple):
@@ -67,14 +65,14 @@ class ScanMatcher(NamedTuple):
                 stays in directions that the rays do not measure.
         """
         known = np.zeros((3, 3)) if information is None else information
-        result, total, used, cost = fit_rays(pose.to_array(), known, rays, self)
-        return Match(Pose2(*result.tolist()), total, used, cost / max(used, 1))
+        result, total, used = fit_rays(pose.to_array(), known, rays, self)
+        return Match(Pose2(*result.tolist()), total, used)
 
 
 @compiled()
 def fit_rays(
     start: Array, known: Array, rays: Array, matcher: ScanMatcher
-) -> tuple[Array, Array, int, float]:
+) -> tuple[Array, Array, int]:
     """Lay rays on the edges of the map by Gauss-Newton steps.
 
     Each ray is cast from the current pose. The expected range, the measured range, and how their
@@ -91,7 +89,7 @@ def fit_rays(
         matcher: the edges, and how exact ranges are.
 
     Returns:
-        The pose (3,) that fits, its information (3, 3), how many rays fit, and the cost.
+        The pose (3,) that fits, its information (3, 3), and how many rays fit.
     """
     pose = start.copy()
     total, pull = np.empty((3, 3)), np.empty(3)
@@ -122,7 +120,7 @@ def fit_rays(
         # Beyond TAIL, Cauchy's cost is curved the other way: such a ray gives no reliable
         # information.
         _normal_equations(pose, start, known, rays, matcher, TAIL, total, pull)
-    return pose, total, used, cost
+    return pose, total, used
 
 
 @compiled()

@@ -80,6 +80,9 @@ FUNCTIONS: tuple[Compiled, ...] = (
     ),
     Compiled("robot.localization.kernels.clustering.clustered", (_F2, _F1, float64, int64, int64)),
     Compiled(
+        "robot.localization.monitoring.slip_check.slid", (_F2, float64, float64, float64, _F2)
+    ),
+    Compiled(
         "robot.localization.monitoring.steady_errors.pose_errors",
         (float64, float64, float64, _F1, float64[::1, :], float64, _F1, _F2),
     ),

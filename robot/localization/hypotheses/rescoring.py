@@ -67,12 +67,12 @@ def _rescore(
 ) -> tuple[Array, Array, Array]:
     """Return pose (3,) and information (3, 3) at the newest scan, and how each scan fits (m,)."""
     fits = np.empty(len(moves))
-    newest, known, _, _ = fit_rays(start, START_INFORMATION, rays[0], matcher)
+    newest, known, _ = fit_rays(start, START_INFORMATION, rays[0], matcher)
     pose, information = newest, known
     for k in range(len(moves)):
         if k > 0:
             pose, information = _moved(pose, information, moves[k], noise[k])
-            pose, information, _, _ = fit_rays(pose, information, rays[k], matcher)
+            pose, information, _ = fit_rays(pose, information, rays[k], matcher)
         fits[k] = ray_log_likelihoods(pose.reshape(1, 3), rays[k], evidence, 0.0)[0]
     return newest, known, fits
 

@@ -193,7 +193,7 @@ def _laid(
         log-likelihood of the rays at the hypothesis (nan if it is not FAR), and where they fit.
     """
     known = inverse(covariance + MATCH_COVARIANCE)
-    fitting, information, _, _ = fit_rays(pose, known, rays, matcher)
+    fitting, information, _ = fit_rays(pose, known, rays, matcher)
     fitting[2] = (fitting[2] + math.pi) % (2 * math.pi) - math.pi
     away = fitting - pose
     away[2] = (away[2] + math.pi) % (2 * math.pi) - math.pi

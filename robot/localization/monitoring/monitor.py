@@ -22,7 +22,8 @@ from robot.localization.monitoring.fit_check import FitCheck
 from robot.localization.monitoring.mounting_check import HELD, LASER, CameraPosition, MountingCheck
 from robot.localization.monitoring.odometry_check import OdometryCheck, OdometryErrors
 from robot.localization.monitoring.scan_residuals import GATE, residual_sums
-from robot.localization.monitoring.steady_errors import SteadyErrors, pose_errors, slid
+from robot.localization.monitoring.slip_check import SlipCheck
+from robot.localization.monitoring.steady_errors import SteadyErrors, pose_errors
 from robot.localization.ray_evidence import RayEvidence
 from robot.localization.scan_matching import SLOPE, ScanMatcher
 from robot.scan import Scan, rays_of
@@ -106,10 +107,9 @@ class Monitor:
         """Hypothesis and odometry of the last scan."""
         self._seen = -math.inf
         """Stamp at which edges were last seen [s]."""
-        self._slid = np.zeros((3, 3))
-        self._slips, self._lasting, self._offset = False, 0.0, Pose2()
-        self._torn = False
-        """Whether the steps of the pose do not agree with odometry."""
+        self._slip = SlipCheck()
+        self._torn = self._slips = False
+        """Whether the steps of the pose do not agree with odometry, and whether it is slip."""
         self.contradicted = False
         """Whether the newest pose is where neither odometry nor slipping wheels can have led."""
         self.doubt = NO_DOUBT
@@ -124,7 +124,8 @@ class Monitor:
         """Restart at another given pose: keep the robot's errors, and drop the steps so far."""
         self._odometry.restart()
         self._fit.restart()
-        self._last, self._torn, self.contradicted = None, False, False
+        self._slip.restart()
+        self._last, self._torn, self._slips, self.contradicted = None, False, False, False
         self._causes.forget()
         self.doubt = NO_DOUBT
 
@@ -175,19 +176,19 @@ class Monitor:
         expected = self._expected(odometry)
         far = expected is not None and _is_far(expected, hypothesis.pose)
         self.contradicted = self._contradicts(expected, hypothesis)
-        if far or self.contradicted:
+        leapt = far or self.contradicted
+        if leapt:
             self._odometry.restart()
             self._odometry.doubt_lateness()
+            self._slip.restart()
             self._causes.forget()
         # On bent tape, the residuals of a pose that is centimetres off would look like a tilt.
         pitch, roll = self._camera.applied.tolist()
         laid = self._matcher.match(hypothesis.pose, rays, HELD)
-        self._slid = slid(
-            self._slid,
-            hypothesis.pose.theta,
-            self._moved(odometry).to_array(),
-            (laid.information - HELD) / max(laid.misfit, 1.0),
-        )
+        if self._last is not None and expected is not None and not leapt:
+            moved, offset = self._last[1].inverse() @ odometry, expected.inverse() @ hypothesis.pose
+            seen = laid.information - HELD
+            self._slip.observe(hypothesis.pose, moved, offset, seen, elapsed)
         sums, used, returned = residual_sums(
             laid.pose.to_array(),
             rays,
@@ -226,14 +227,9 @@ class Monitor:
             self._seen = scan.stamp
         self.looseness = self._looseness(findings)
         self.lateness = self._lateness(findings.odometry)
-        rest = findings.odometry.rest.tolist()
-        self._torn = max(rest) > TORN
-        if expected is not None and not self.contradicted:
-            offset = expected.inverse() @ hypothesis.pose
-            before, self._offset = self._offset, offset
-            both = offset.x * before.x / 0.06**2 + offset.theta * before.theta
-            self._lasting = math.exp(-elapsed / 3.0) * self._lasting + both
-        self._slips = self._torn and rest[2] > max(rest[1], TORN) and self._lasting > 0
+        rest = findings.odometry.rest
+        self._torn = float(rest.max()) > TORN
+        self._slips = self._slip.explains(rest, TORN)
         self.doubt = self._doubt(hypothesis.pose, findings)
 
     def watch(self, pose: Pose2, scan: Scan) -> bool:
@@ -247,7 +243,7 @@ class Monitor:
             Whether the last scans fit.
         """
         self._fit.observe(self._evidence, rays_of(scan, BEAMS), pose)
-        self.doubt = replace(self.doubt, fits=self._fit.fits and (not self._torn or self._slips))
+        self.doubt = replace(self.doubt, fits=self._agrees)
         return self._fit.fits
 
     @property
@@ -271,9 +267,6 @@ class Monitor:
             return None
         last, before = self._last
         return last.pose @ self.corrected_step(before.inverse() @ odometry)
-
-    def _moved(self, odometry: Pose2) -> Pose2:
-        return Pose2() if self._last is None else self._last[1].inverse() @ odometry
 
     def _contradicts(self, expected: Pose2 | None, hypothesis: Hypothesis) -> bool:
         """Return whether neither odometry nor slip leads to where the robot should be now."""
@@ -316,8 +309,13 @@ class Monitor:
         )
         known = known + turned_covariance(self._measured, pose.theta)
         if self._slips:
-            unknown = unknown + self._slid
-        return Doubt(known, unknown, self._causes.alerts, self._fit.fits and (not self._torn or self._slips))
+            unknown = unknown + self._slip.covariance
+        return Doubt(known, unknown, self._causes.alerts, self._agrees)
+
+    @property
+    def _agrees(self) -> bool:
+        """Whether the last scans fit, and steps agree with odometry or its wheels slip."""
+        return self._fit.fits and (self._slips or not self._torn)
 
 
 def _is_far(expected: Pose2, pose: Pose2) -> bool:

@@ -28,7 +28,9 @@ LAG: the cause of an error is named in 57.3 % of pictures instead of 60.7; twice
 ERRORS = ("late", "forward", "turn_by_way", "turn", "ahead", "aside", "yaw")
 USUAL = SteadyErrors()
 LATE_STEP = 0.04
-"""Standard deviation of how much later pictures may come all at once [s]."""
+"""Standard deviation of how much later pictures may come all at once [s]. If they come 90 ms later
+for a while (*stub*, *square* and *tee*, seeds 710 and 711), 0.8 % are certain and wrong, for 0.1 s;
+with three quarters of it 2.4 %, for 0.4 s; without it 10.5 %, for 4.1 s."""
 SETTLING = 1.5
 """Until the robot has driven for this long after a place was given or found, steps ahead and aside
 do not contradict odometry [s]. Time at rest does not count, as the filter then takes no scans.
@@ -112,7 +114,10 @@ class OdometryCheck:
         self._last, self._followed = None, 0.0
 
     def doubt_lateness(self) -> None:
-        """Take pictures to be later or earlier than they were by up to LATE_STEP."""
+        """Let pictures be as late as ``LATE_STEP`` says, whatever earlier steps told.
+
+        Pictures that come later all at once look like a robot that was carried.
+        """
         added = LATE_STEP**2 - self.errors.covariance[0, 0]
         if added > 0:
             before = self._sums.information + self._sums.prior

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from robot.compiling import compiled
-from robot.covariance import inverse, outer
+from robot.covariance import outer
 from robot.description.spec import RobotSpec
 from robot.geometry import Array
 
@@ -62,31 +62,6 @@ class SteadyErrors:
         tilt = np.minimum(np.hypot([pitch, roll], SAME_MOUNT), CAREFUL_MOUNT[:2])
         measured = np.minimum([x, y, yaw], UNCALIBRATED[4:])
         return cls(odometry, np.append(tilt, CAREFUL_MOUNT[2]), measured)
-
-
-SLIDE = 0.25
-"""Share of a way and of a turn by which wheels that slip may mislead, 1 sd."""
-SEEN = np.diag(np.array([1.0, 1.0, 1.0]))
-
-
-@compiled()
-def slid(covariance: Array, heading: float, moved: Array, information: Array) -> Array:
-    """Return how far slip may have led a pose: more by a step, and less by what a scan sees.
-
-    Args:
-        covariance: (3, 3) of that before the step, along the map's axes [m, m, rad].
-        heading: of the pose [rad].
-        moved: the step by odometry (3,).
-        information: (3, 3) of the scan alone, at the pose.
-    """
-    ahead = np.array([math.cos(heading), math.sin(heading), 0.0])
-    wider = covariance + 1e-10 * np.eye(3)
-    # Slip lasts: what it adds to a way is no chance of each step.
-    before = math.sqrt(ahead @ covariance @ ahead)
-    wider += (2 * before + SLIDE * abs(moved[0])) * SLIDE * abs(moved[0]) * outer(ahead, ahead)
-    turned = math.sqrt(covariance[2, 2])
-    wider[2, 2] += (2 * turned + SLIDE * abs(moved[2])) * SLIDE * abs(moved[2])
-    return inverse(inverse(wider) + information)
 
 
 @compiled()
