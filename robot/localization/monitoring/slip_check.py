@@ -4,9 +4,9 @@ Slip lasts for about a second and turns the robot, as two wheels never slip alik
 aside, as a floor does that is not as drawn, and it does not sway from one picture to the next, as
 pictures do that come late by turns. While wheels slip, what scans see since then bounds the pose.
 
-What half and twice of a constant change was tried on *stub* and *square*, where 98 % of pictures on
-a slippery floor are certain and none is misleading: ``brickpose evaluate integrity --map stub
-square --start known --condition slippery stretched --first-seed 8300 --seeds 2``.
+What half and twice of a constant change was found by ``brickpose evaluate integrity --map stub
+square --start known --condition slippery all-at-once --first-seed 8300 --seeds 3``: of pictures on
+a slippery floor 96.6 % are certain, of those with all errors at once 71.1 %.
 """
 
 from __future__ import annotations
@@ -21,11 +21,14 @@ from robot.geometry import Array, Pose2
 from robot.localization.monitoring.step_sums import RECENT
 
 SLIDE = 0.25
-"""Share of a way and of a turn by which slip may mislead, 1 sd."""
+"""Share of a way and of a turn by which slip may mislead, 1 sd. Half and twice: no claim changes.
+"""
 LEVER = 0.06
-"""A turn of a radian counts as this way, about that of a wheel [m/rad]."""
+"""A turn of a radian counts as this way, about that of a wheel [m/rad]. Half: 69.2 % certain with
+all errors at once; twice: 74.0 %."""
 LEAST = 1e-10
-"""Variance of a pose that does not slip [m², rad²]."""
+"""Variance of a pose that does not slip [m², rad²]. Half and twice: no claim changes, as it only
+keeps a matrix regular."""
 
 
 class SlipCheck:
