@@ -232,7 +232,7 @@ async function loadField(news) {
   try {
     /** @type {FieldMessage} */
     const field = await getJson("api/field");
-    const parts = [topBar, drive, home, problems, tape, camera, plots, fieldPanel.faults];
+    const parts = [topBar, drive, home, problems, tape, camera, plots, fieldPanel];
     for (const part of parts) part.setField(field);
     showFeatures(field.features);
     if (!known) view3d.setField(field);

@@ -312,6 +312,14 @@ export interface ExploreCommand {
   start?: boolean;
 }
 
+/** What can be wrong with a simulated robot and its camera. */
+export interface FaultsMessage {
+  /** Each with its value now; the default is the value at the start. */
+  faults: ParameterMessage[];
+  /** Values of each named condition of `brickpose evaluate integrity`. */
+  conditions: Record<string, Record<string, number | string>>;
+}
+
 /** The field, the robot on it, and limits: a page needs them once, and again after a calibration. */
 export interface FieldMessage {
   name: string;

@@ -36,7 +36,6 @@ ROOMS_WITH_COMMANDS = (
     "app.engine.pose_commands",
     "app.engine.filter_commands",
     "app.engine.profile_command",
-    "app.engine.fault_commands",
     "app.page.commands",
 )
 """Modules of the core with rows, as ``COMMANDS``. They are named and not imported: the engine does

@@ -110,15 +110,6 @@ class ParameterMessage(Message):
     """Whether the chosen filter and models use it."""
 
 
-class FaultsMessage(Message):
-    """What can be wrong with a simulated robot and its camera."""
-
-    faults: list[ParameterMessage]
-    """Each with its value now; the default is the value at the start."""
-    conditions: dict[str, dict[str, float | str]]
-    """Values of each named condition of `brickpose evaluate integrity`."""
-
-
 class FieldsMessage(Message):
     """The fields that the page can load."""
 

@@ -117,14 +117,6 @@ class SetParametersCommand(CommandMessage):
     values: Annotated[dict[str, float | str | bool], Field(min_length=1, max_length=64)]
 
 
-class SetFaultsCommand(CommandMessage):
-    """Change what is wrong with the simulated robot and its camera, while it drives on."""
-
-    type: Literal["set_faults"]
-    values: Annotated[dict[str, float | str], Field(min_length=1, max_length=32)]
-    """Values by name; ``/api/faults`` lists the names."""
-
-
 class UseFieldCommand(CommandMessage):
     """Switch to another field: a simulated robot is put there; a real one has to be.
 

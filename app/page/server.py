@@ -16,7 +16,6 @@ from app.engine.rest import Audience
 from app.messages.answers import content, refusal
 from app.page.application import new_application
 from app.page.camera_stream import STREAM, CameraStream
-from app.page.faults import faults_router
 from app.page.field import field_router
 from app.page.outlets import Outlets
 from app.page.state import state_router
@@ -58,7 +57,6 @@ def create_app(
     _add_streams(app, view, camera, program.engine.audience)
     app.include_router(state_router(program, thread, view, outlets))
     app.include_router(field_router(program))
-    app.include_router(faults_router(program))
     for router in (*outlets.routers(), *routers):
         app.include_router(router)
 

@@ -3,12 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
-from typing import Any
 
-from app.settings.conditions import CONDITIONS
-from app.settings.config import with_settings
-from robot.settings import SettingError
 from sim.simulated import SimSettings
 
 ROBOT = (
@@ -37,26 +32,3 @@ def changed_faults(settings: SimSettings, before: SimSettings) -> dict[str, floa
     """Return the faults that differ from those of other settings."""
     earlier = fault_values(before)
     return {name: value for name, value in fault_values(settings).items() if value != earlier[name]}
-
-
-def with_faults(settings: SimSettings, values: Mapping[str, float | str]) -> SimSettings:
-    """Return settings with other faults.
-
-    A picture that is stamped later is delivered later, too: no stamp may lie in the future.
-
-    Raises:
-        SettingError: a name is unknown or a value out of range; the message says what is valid.
-    """
-    unknown = [name for name in values if name not in TABLES]
-    if unknown:
-        raise SettingError(f"there is no fault {unknown[0]}; valid are {', '.join(TABLES)}")
-    result = with_settings(settings, {f"{TABLES[name]}.{name}": values[name] for name in values})
-    later = result.camera.stamp_error - settings.camera.stamp_error
-    delay = min(max(settings.camera.delay + later, 0.0), 1.0)
-    return replace(result, camera=replace(result.camera, delay=delay))
-
-
-def condition_faults(name: str) -> dict[str, Any]:
-    """Return the faults of a named condition."""
-    preset = {path.rpartition(".")[2]: value for path, value in CONDITIONS[name].items()}
-    return {fault: value for fault, value in preset.items() if fault in TABLES}

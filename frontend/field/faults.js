@@ -55,6 +55,7 @@ export class Faults {
   /** @type {ReturnType<typeof setTimeout> | undefined} */
   #timer;
   #shown = "";
+  #offered = false;
 
   /** @param {(command: Command) => Promise<boolean>} order */
   constructor(order) {
@@ -65,6 +66,7 @@ export class Faults {
 
   /** Read what can be wrong. */
   async read() {
+    if (!this.#offered) return;
     /** @type {FaultsMessage} */
     const { faults, conditions } = await getJson("api/faults");
     this.#box.hidden = faults.length === 0;
@@ -80,8 +82,9 @@ export class Faults {
   }
 
   /** Offer an engine to a robot without forces, if none is installed. @param {FieldMessage} field */
-  setField({ engine_missing }) {
+  setField({ engine_missing, features }) {
     this.#engine.hidden = !engine_missing;
+    this.#offered = features.includes("faults");
   }
 
   /** Show what is wrong now; another page may have changed it. @param {RobotMessage} robot */

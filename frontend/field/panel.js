@@ -6,6 +6,7 @@ import { getJson } from "../wire/http.js";
 import { Faults } from "./faults.js";
 
 /** @typedef {import("../messages").Command} Command */
+/** @typedef {import("../messages").FieldMessage} FieldMessage */
 /** @typedef {import("../messages").FieldsMessage} FieldsMessage */
 /** @typedef {import("../messages").TelemetryMessage} TelemetryMessage */
 /** @typedef {import("../page/toasts.js").Toasts} Toasts */
@@ -36,10 +37,15 @@ export class FieldPanel {
     this.#load.disabled = replay !== null && replay !== undefined;
   }
 
+  /** @param {FieldMessage} field */
+  setField(field) {
+    this.faults.setField(field);
+    this.#readFaults();
+  }
+
   /** @param {string} map */
   #changed(map) {
     this.#map = map;
-    this.#readFaults();
     if (document.activeElement !== this.#name) this.#name.value = map;
   }
 

@@ -12,11 +12,12 @@ from simulators import require_engine
 from app.engine.build import build_program
 from app.engine.commands import check
 from app.engine.robots import build_robot
-from app.messages.commands import SetFaultsCommand
+from app.features.faults.commands import with_faults
+from app.features.faults.messages import SetFaultsCommand
 from app.page.telemetry import field_message
 from app.settings.conditions import CONDITIONS, apply_condition
 from app.settings.config import MAPS, Config, with_settings
-from app.settings.faults import CAMERA, ROBOT, TABLES, fault_values, with_faults
+from app.settings.faults import CAMERA, ROBOT, TABLES, fault_values
 from robot.description.spec import RobotSpec
 from robot.driving.differential_drive import DifferentialDrive
 from robot.fields.field_loading import load_field

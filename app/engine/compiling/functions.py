@@ -22,7 +22,7 @@ from robot.localization.scan_matching import ScanMatcher
 
 _F1, _F2, _F3 = float64[::1], float64[:, ::1], float64[:, :, ::1]
 _I1, _I2 = int64[::1], int64[:, ::1]
-_STEPS = Named((_F2, _F2, _F1, _F1, _F1, _F1, _F1, _F1), StepSums)
+_STEPS = Named((_F2, _F2, _F1, _F1, _F1, _F1, _F1), StepSums)
 _UNSEEN = Named((uint8[:, ::1], float64, float64, float64), UnseenFloor)
 _TWO, _THREE, _FOUR = UniTuple(float64, 2), UniTuple(float64, 3), UniTuple(float64, 4)
 
@@ -80,8 +80,11 @@ FUNCTIONS: tuple[Compiled, ...] = (
     ),
     Compiled("robot.localization.kernels.clustering.clustered", (_F2, _F1, float64, int64, int64)),
     Compiled(
+        "robot.localization.monitoring.slip_check.slid", (_F2, float64, float64, float64, _F2)
+    ),
+    Compiled(
         "robot.localization.monitoring.steady_errors.pose_errors",
-        (float64, float64, float64, _F1, float64[::1, :], float64, _F1, _F2, _F2),
+        (float64, float64, float64, _F1, float64[::1, :], float64, _F1, _F2),
     ),
     Compiled(
         "robot.localization.kernels.spread_copies.spread_copies",

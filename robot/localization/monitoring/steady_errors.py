@@ -74,7 +74,6 @@ def pose_errors(
     lateness: float,
     caused: Array,
     caused_spread: Array,
-    wiggle: Array,
 ) -> tuple[Array, Array]:
     """Return how far a pose may be off by steady errors: found ones, and ones not excluded yet.
 
@@ -87,7 +86,6 @@ def pose_errors(
         lateness: lateness that is already corrected [s].
         caused: pose error by camera and map (3,), along the map's axes.
         caused_spread: covariance of that pose error (3, 3).
-        wiggle: covariance of the unexplained rest of steps (3, 3), along the robot's axes.
 
     Returns:
         Two covariances (3, 3) [m, m, rad], along the map's axes.
@@ -103,7 +101,7 @@ def pose_errors(
     c, s = math.cos(heading), math.sin(heading)
     rotation = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
     back = np.ascontiguousarray(rotation.T)
-    beyond = np.diag(_beyond(mean, spread) ** 2) + wiggle
+    beyond = np.diag(_beyond(mean, spread) ** 2)
     if lateness != 0:
         # The corrected lateness is not known better than this.
         beyond += covariance[0, 0] * outer(offset[:, 0], offset[:, 0])

@@ -24,8 +24,6 @@ TELLING, CHANGE_V, CHANGE_OMEGA = 2.0, 0.05, 0.4
 is the same before and after it, and lateness shows."""
 MOST = 100.0
 """Largest square that a step counts for, in its spreads."""
-MOST_WIGGLE = np.square([0.05, 0.05, 0.2])
-"""Largest square of an unexplained rest that counts [m², m², rad²]."""
 SMALL = 1e-4
 """Step of derivatives by differences [m, rad, s]."""
 
@@ -45,8 +43,6 @@ class StepSums(NamedTuple):
     """(3,) how many such steps there were; one counts as far as its poses were known."""
     squares: Array
     """(3,) squares of that rest without its mean, in its spreads."""
-    wiggle: Array
-    """(3,) squares of that rest [m², m², rad²]."""
     counts: Array
     """(2,): number of steps, and of the last seconds' steps."""
 
@@ -111,8 +107,12 @@ def add_step(
     weights = share / (wide * (1 + unsteady / TAIL))
     sums.information[:] *= keep
     sums.pull[:] *= keep
+    changes = abs(last[0] - first[0]) > CHANGE_V or abs(last[1] - first[1]) > CHANGE_OMEGA
+    if not changes:
+        # The noise of a steady speed would seem to tell that pictures are in time.
+        columns[:, 0] = 0.0
     _add(sums, columns, offset, weights / CORRELATION)
-    if abs(last[0] - first[0]) > CHANGE_V or abs(last[1] - first[1]) > CHANGE_OMEGA:
+    if changes:
         # The second in which the speed changes shall say nothing about the wheels' errors.
         by_wheels = np.zeros(7)
         by_wheels[1:4] = values[1:4]
@@ -120,7 +120,6 @@ def add_step(
         columns[:, 1:4] = 0.0
         _add(sums, columns, beside_wheels, min(TELLING, 1 / share) * weights)
     sums.squares[:] = recent * sums.squares + share * np.minimum(unsteady, MOST)
-    sums.wiggle[:] = recent * sums.wiggle + share * np.minimum(left**2, MOST_WIGGLE)
     sums.counts[0] = keep * sums.counts[0] + share
     return estimate_errors(sums)
 

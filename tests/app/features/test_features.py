@@ -53,6 +53,7 @@ NAMES = [
     "classroom",
     "control",
     "course",
+    "faults",
     "grid_filter",
     "interface",
     "kalman_filter",

@@ -19,7 +19,8 @@ from app.engine.program import LocalProgram
 from app.engine.snapshot import Snapshot
 from app.features.control.messages import Go, SentTick
 from app.features.control.remote import RemoteProgram
-from app.messages.commands import PlaceCommand, SetFaultsCommand
+from app.features.faults.messages import SetFaultsCommand
+from app.messages.commands import PlaceCommand
 from app.page.serving import build_served
 from app.settings.config import MAPS, Config
 from robot.fields.field import FieldError

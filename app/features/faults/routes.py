@@ -5,10 +5,12 @@ from __future__ import annotations
 from fastapi import APIRouter
 
 from app.engine.program import Program
-from app.messages.answers import FaultsMessage, ParameterMessage
+from app.features.faults.commands import condition_faults
+from app.features.faults.messages import FaultsMessage
+from app.messages.answers import ParameterMessage
 from app.page.parameters import parameter_message
 from app.settings.conditions import CONDITIONS
-from app.settings.faults import TABLES, condition_faults, fault_values
+from app.settings.faults import TABLES, fault_values
 from robot.settings import describe
 
 

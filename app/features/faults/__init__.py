@@ -1,0 +1,1 @@
+"""Faults of a simulated robot, which the page sets while it drives."""
