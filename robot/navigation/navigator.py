@@ -18,7 +18,8 @@ from robot.navigation.free_space import FreeSpace
 from robot.navigation.goal import Goal
 from robot.navigation.legs import WayLeg, curve, straight, turn
 from robot.navigation.lookout import Move
-from robot.navigation.planning import NoWayError, Planner, comes_no_nearer, plan
+from robot.navigation.planners import find_way
+from robot.navigation.planning import NoWayError, Planner, comes_no_nearer
 from robot.navigation.possible_places import Glimpse
 from robot.navigation.settings import NavigationSettings
 from robot.navigation.timed_way import Limits, TimedWay, timed, timed_loop
@@ -144,7 +145,7 @@ class Navigator:
         name: str | int | None = None,
         repeat: bool = False,
         curve: ClosedCurve | None = None,
-        planner: Planner = plan,
+        planner: Planner = find_way,
         controller: PathController | None = None,
     ) -> None:
         """Begin a journey.

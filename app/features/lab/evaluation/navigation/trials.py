@@ -26,7 +26,8 @@ from robot.interface import RepositionableRobot
 from robot.navigation.free_space import FreeSpace
 from robot.navigation.legs import WayLeg
 from robot.navigation.navigator import NavigationStatus
-from robot.navigation.planning import NoWayError, plan
+from robot.navigation.planners import find_way
+from robot.navigation.planning import NoWayError
 from robot.navigation.settings import NavigationSettings
 from robot.navigation.timed_way import REST_S, Limits, timed
 
@@ -184,7 +185,7 @@ class NavigationTrial:
             if goal.distance_to(start) < SHORTEST_M:
                 continue
             try:
-                return goal, plan(self.free, start, goal)
+                return goal, find_way(self.free, start, goal)
             except NoWayError:
                 continue
         return None, ()
