@@ -24,10 +24,11 @@ from robot.geometry import Pose2, Twist2
 from robot.interface import Reading
 from robot.navigation.free_space import FreeSpace
 from robot.navigation.lookout import Move, look
-from robot.navigation.navigator import NavigationStatus, Navigator, Plan, Sensed
+from robot.navigation.navigator import NavigationStatus, Navigator, Plan
 from robot.navigation.planners import PLANNERS
 from robot.navigation.planning import NoWayError
 from robot.navigation.possible_places import Glimpse
+from robot.navigation.sensed import Sensed
 from robot.navigation.settings import NavigationSettings
 from robot.navigation.timed_way import Limits
 from robot.navigation.walls import Walls
