@@ -4,9 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import numpy as np
+
 from robot.geometry import Pose2, Twist2
-from robot.navigation.lookout import Move
+from robot.navigation.lookout import SEEN_MARGIN_M, Move
+from robot.navigation.place_kernels import steps_clear
 from robot.navigation.possible_places import Glimpse
+from robot.navigation.seen_tape import tape_seen
 from robot.navigation.sensed import Sensed
 from robot.navigation.settings import NavigationSettings
 from robot.navigation.timed_way import Limits, TimedWay, timed
@@ -24,6 +28,9 @@ LOOKS_ENOUGH_S = 0.3
 """It has looked around when its place was known for so long [s]."""
 GLANCE_ENDS_S = 0.3
 """A move to see more is over so long after its time [s]."""
+WATCHED = 3
+"""Of the moments of a move, each third one is compared with tape that comes into view: at 0.2 m/s
+that is each 12 mm."""
 
 Look = Callable[[tuple[Glimpse, ...], Pose2, tuple[Pose2, ...], int], Move]
 """Finds the move that tells most: from views, the odometry now, places that are believed in, and
@@ -54,6 +61,10 @@ class LookingAround:
         """The move to see more, in the odometry's frame."""
         self._clock = 0.0
         """How far that is driven [s]."""
+        self._rim = np.zeros((0, 2))
+        """The outline on that move, which shall not come to tape."""
+        self._watched: Glimpse | None = None
+        """The view in which tape was last looked for."""
         self._knows_since: float | None = None
 
     def job(self, tick: Sensed) -> Callable[[], Move] | None:
@@ -77,6 +88,7 @@ class LookingAround:
         if move.legs and self.active:
             self._moves += 1
             self._clock, self._glance = 0.0, timed(move.legs, self._limits)
+            self._rim = move.rim
 
     def begin(self, stamp: float) -> None:
         """Look around from now on [s]."""
@@ -105,12 +117,25 @@ class LookingAround:
         if self._glance is None or self._knows_since is not None:
             return Twist2()
         self._clock += passed
-        if self._clock >= self._glance.duration + GLANCE_ENDS_S:
+        over = self._clock >= self._glance.duration + GLANCE_ENDS_S
+        if over or self._comes_to_tape(tick, self._glance):
             self._glance, self._look_at = None, tick.stamp + LOOKS_S
             return Twist2()
         wanted = self._glance.at(self._clock)
         ahead = self._glance.at(self._clock + self._settings.command_lag).twist
         return follow(tick.odom, wanted, ahead, self._settings)
+
+    def _comes_to_tape(self, tick: Sensed, glance: TimedWay) -> bool:
+        """Whether a new view shows tape in the way that is left of a move."""
+        view, before = tick.view, self._watched
+        if view is None or view is before or not len(self._rim):
+            return False
+        self._watched = view
+        tape = tape_seen([view], Pose2())
+        left = glance.ahead_of(self._clock, len(glance.times) - 1)[::WATCHED]
+        return (
+            steps_clear(np.ascontiguousarray(left), self._rim, tape, SEEN_MARGIN_M) < len(left) - 1
+        )
 
     def reason(self, doubt: str) -> str:
         """Return in words why the robot stands, or moves to see more."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,12 +12,16 @@ from numpy.typing import NDArray
 from robot.geometry import Array, Pose2
 from robot.navigation.free_space import FreeSpace
 from robot.navigation.legs import WayLeg, straight, turn
-from robot.navigation.place_kernels import ranges_from, reaches
+from robot.navigation.place_kernels import ranges_from, reaches, steps_clear
 from robot.navigation.possible_places import Glimpse, places_seen
+from robot.navigation.seen_tape import tape_seen
 from robot.scan import Scan
 
 MARGIN_M = 0.003
 """Room that the outline keeps to tape at each place where the robot may be [m]."""
+SEEN_MARGIN_M = 0.008
+"""Room that it keeps to tape that it has seen itself [m]. Points on the outline are 12 mm apart:
+with 4 mm, tape may lie between two of them."""
 RISKS = (0.001, 0.01, 0.03, 0.08, 0.2)
 """Share of the places at which a move may come nearer to tape. The first is that of one place, as
 none is clear of chance; the next ones are dared where no move was found before, one after the
@@ -68,6 +72,9 @@ class Move:
     """In the odometry's frame; none if it shall stand."""
     reason: str
     """In words for people."""
+    rim: Array = field(default_factory=lambda: np.zeros((0, 2)), compare=False, repr=False)
+    """(k, 2) the robot's outline [m], which shall not come to tape that it sees on the way; empty
+    where it may cross tape."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,13 +134,15 @@ def look(
     believed: Sequence[Pose2] = (),
     *,
     dares: int = 0,
+    crosses_tape: bool = False,
 ) -> Move:
     """Return the move that tells most of the places apart at which the robot may be.
 
     The places are drawn at random, and weighed by what was seen. A move is compared by the share of
     pairs of places that would see something else after it, which is what is expected to be gained.
     At none of the places may the outline come to tape on the way, unless it stays on floor that was
-    seen to be free: that holds wherever the robot is.
+    seen to be free: that holds wherever the robot is. So does tape that was seen: no move comes to
+    it, however much is dared.
 
     Args:
         views: what was seen since the place is in doubt; one or more.
@@ -142,10 +151,12 @@ def look(
         free: distances to what it must not touch, and its outline.
         believed: poses in the map that a filter holds for possible now.
         dares: how often no move was found before: then it runs a risk.
+        crosses_tape: whether it may cross tape.
     """
     places = places_seen(views, odom, marks, free, believed)
     floor = ClearFloor.of(views, odom)
-    sweeps = sweeps_of(places, floor, free)
+    tape = np.zeros((0, 2)) if crosses_tape else tape_seen(views, odom)
+    sweeps = sweeps_of(places, floor, free, tape)
     some = _compared(places, believed)
     openness = _openness(some, free)
     best: tuple[Sweep, float] | None = None
@@ -171,7 +182,8 @@ def look(
         if best is not None:
             sweep, amount = best
             legs = sweep.legs(odom, amount)
-            return Move(legs, reason=f"a move tells {share} % of the places apart")
+            rim = free.hollow.body[: 0 if crosses_tape else None]
+            return Move(legs, f"a move tells {share} % of the places apart", rim)
     if clear:
         return Move((), reason="no move would tell it more")
     return Move((), reason="no move is clear of walls at each place where it may be")
@@ -194,13 +206,20 @@ def _openness(places: Array, free: FreeSpace) -> float:
     return float((free.clearance(places[:, :2]) > free.radius + MARGIN_M).mean())
 
 
-def sweeps_of(places: Array, floor: ClearFloor, free: FreeSpace) -> list[Sweep]:
-    """Return the motions that are compared, and how far each place (n, 3) allows them."""
+def sweeps_of(
+    places: Array, floor: ClearFloor, free: FreeSpace, tape: Array = np.zeros((0, 2))
+) -> list[Sweep]:
+    """Return the motions that are compared, and how far each place (n, 3) allows them.
+
+    Tape that was seen, (m, 2) [m] in the robot's frame, is in the way at each place.
+    """
     rim = free.hollow.body
 
     def reach(steps: Array) -> NDArray[np.int64]:
         known = floor.has(steps, rim)
-        return reaches(places, steps, rim, known, free.distance, free.frame, MARGIN_M)
+        seen = steps_clear(steps, rim, tape, SEEN_MARGIN_M)
+        reached = reaches(places, steps, rim, known, free.distance, free.frame, MARGIN_M)
+        return np.minimum(reached, seen)
 
     def after(before: Pose2, blocked: NDArray[np.bool_], steps: Array) -> NDArray[np.int64]:
         # What room it keeps is that of its place now: the first step.

@@ -220,7 +220,8 @@ class Pilot:
             tape = Walls(tape="wall")
             self._marks = FreeSpace.of(self._field, outline, self.settings, tape, edge=False)
         free = self._space(outline, self._walls)
-        return look(views, odom, self._marks, free, places, dares=dares)
+        crosses = self._walls.ignore_tape(self._field, self.settings)
+        return look(views, odom, self._marks, free, places, dares=dares, crosses_tape=crosses)
 
     def _space(self, outline: np.ndarray, walls: Walls) -> FreeSpace:
         """Return the free space; in the thread."""
