@@ -51,7 +51,7 @@ SPEAKING = (
     "robot/localization/estimate.py", "robot/localization/monitoring/causes.py",
     "robot/mapping/pushed.py", "robot/mapping/tape_map.py",
     "robot/navigation/lookout.py", "robot/navigation/navigator.py",
-    "robot/navigation/looking_around.py", "robot/settings.py",
+    "robot/navigation/line_follower.py", "robot/navigation/looking_around.py", "robot/settings.py",
 )  # fmt: skip
 """Modules and folders in which every sentence is a text, but their documentation."""
 LESSONS = "app/features/course/lessons"

@@ -39,6 +39,8 @@ SIGHT_GAIN = 0.2
 """Gain of a move after which all rays see tape. Without it, a robot whose views leave a single
 place stands as soon as no move would tell places apart, though its filter still doubts the place:
 one that was pushed on ``tee`` stood for good."""
+NEWS_RAD, NEWS_M = 0.5, 0.3
+"""A view counts in full that is turned or moved by so much from each one before [rad, m]."""
 OPEN_GAIN = 0.3
 """Gain of a move after which the robot can turn all around, where it could not before. Without it,
 a robot in a corner of ``tee`` turned to and fro by small angles."""
@@ -174,7 +176,8 @@ def look(
                 ends = _moved(some, moved)
                 ranges = seen_from(ends, marks)
                 apart = told_apart(some, ranges)
-                gain = apart + SIGHT_GAIN * float((ranges < SEES_M[1]).mean())
+                sight = float((ranges < SEES_M[1]).mean()) * _news(views, odom @ moved)
+                gain = apart + SIGHT_GAIN * sight
                 gain += OPEN_GAIN * (_openness(ends, free) - openness)
                 gain -= RISK_COSTS[level] * risk + EFFORT * sweep.effort(amount)
                 if gain > most:
@@ -199,6 +202,15 @@ def _compared(places: Array, believed: Sequence[Pose2]) -> Array:
         filters = np.array([pose.to_array() for pose in believed])
         some[: COMPARED // 3] = np.resize(filters, (min(COMPARED // 3, len(some)), 3))
     return np.random.default_rng(0).permutation(some)
+
+
+def _news(views: Sequence[Glimpse], odom: Pose2) -> float:
+    """Return the share of a view at an odometry that no view before has shown."""
+    share = 1.0
+    for view in views:
+        turned = abs(odom.turn_to(view.odom_from_robot)) / NEWS_RAD
+        share = min(share, turned + odom.distance_to(view.odom_from_robot) / NEWS_M)
+    return share
 
 
 def _openness(places: Array, free: FreeSpace) -> float:

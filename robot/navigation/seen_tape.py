@@ -29,14 +29,22 @@ def tape_seen(views: Sequence[Glimpse], odom: Pose2) -> Array:
     return points[np.sort(kept)]
 
 
-def tape_in(scan: Scan) -> Array:
-    """Return points (n, 2) [m] of tape in a scan, in the robot's frame."""
+def tape_in(scan: Scan, *, edges: bool = False) -> Array:
+    """Return points (n, 2) [m] of tape in a scan, in the robot's frame.
+
+    Where tape reaches out of what a ray sees, its last visible point counts, or with ``edges`` none
+    does.
+    """
     count = len(scan.bearings)
     sight = scan.sight if scan.sight is not None else np.tile([0.0, np.inf], (count, 1))
     ways = [scan.ranges]
     if scan.hidden is not None:
         begins, ends = scan.hidden.T
-        ways += [np.where(ends >= begins, np.maximum(begins, sight[:, 0]), np.inf), ends]
+        there = begins <= ends
+        near, far = sight.T
+        begins = np.where(begins > near, begins, np.nan if edges else near)
+        ends = np.where(ends < far, ends, np.nan if edges else far)
+        ways += [np.where(there, begins, np.inf), np.where(there, ends, np.inf)]
     directions = heading_vectors(scan.bearings)
     points = [np.zeros((0, 2))]
     for away in ways:

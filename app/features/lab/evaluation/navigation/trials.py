@@ -230,7 +230,7 @@ class NavigationTrial:
                 return status
             if moved_at is not None and self.now.stamp >= moved_at:
                 moved_at = None
-                self._was_moved = self._move(PUSH_M[self.trial])
+                self._was_moved = self._move(PUSH_M[self.trial], command)
         self._put(StopCommand(type="stop"))
         return status
 
@@ -240,19 +240,31 @@ class NavigationTrial:
         status: NavigationStatus | None = self.now.added.get("navigation")
         return status
 
-    def _move(self, distance: float) -> bool:
-        """Move the robot, unseen, to where it fits; False if it fits nowhere."""
+    def _move(self, distance: float, command: NavigateCommand) -> bool:
+        """Move the robot, unseen, to where it fits and can drive to its goal; False if nowhere.
+
+        From outside of a ring of tape it could arrive only by crossing it.
+        """
+        (goal,) = command.poses or ()
+        wanted = Pose2(goal.x, goal.y, goal.theta or 0.0)
         robot = self.program.robot
         assert isinstance(robot, RepositionableRobot)
         for _ in range(TRIES):
             bearing, turn = self.rng.uniform(-math.pi, math.pi), self.rng.normal(0, 0.3)
             moved = Pose2(distance * math.cos(bearing), distance * math.sin(bearing), float(turn))
             place = self.truth @ moved
-            if self.free.fits(place.to_array()[None]):
+            if self.free.fits(place.to_array()[None]) and self._has_way(place, wanted):
                 robot.place(place)
                 self._was_clear = False
                 return True
         return False
+
+    def _has_way(self, start: Pose2, goal: Pose2) -> bool:
+        try:
+            find_way(self.free, start, goal)
+        except NoWayError:
+            return False
+        return True
 
     def _run(self, seconds: float) -> None:
         until = self.now.stamp + seconds
