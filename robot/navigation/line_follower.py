@@ -123,15 +123,19 @@ class LineFollower:
 
     def _look(self, view: Glimpse) -> None:
         """Remember the tape in a view."""
-        here = view.odom_from_robot
-        now = here.apply(tape_in(view.scan, edges=True))
-        tape = np.concatenate([now, *(each for _, each in self._seen)])
+        odom_from_robot = view.odom_from_robot
+        seen = odom_from_robot.apply(tape_in(view.scan, edges=True))
+        tape = np.concatenate([seen, *(each for _, each in self._seen)])
         for been, _ in self._seen:
             tape = tape[np.hypot(tape[:, 0] - been.x, tape[:, 1] - been.y) > PASSED_M]
         self._tape = tape
         last = self._seen[-1][0] if self._seen else None
-        if last is None or last.distance_to(here) > APART_M or abs(last.turn_to(here)) > APART_RAD:
-            self._seen.append((here, now))
+        if (
+            last is None
+            or last.distance_to(odom_from_robot) > APART_M
+            or abs(last.turn_to(odom_from_robot)) > APART_RAD
+        ):
+            self._seen.append((odom_from_robot, seen))
 
     def _target(self, odom: Pose2) -> tuple[float, float] | None:
         """Return where to drive, in the robot's frame [m]; None without tape ahead."""

@@ -22,8 +22,8 @@ def tape_seen(views: Sequence[Glimpse], odom: Pose2) -> Array:
 
     What hides a part of a ray counts as tape: as a rule it is tape on which the ray begins.
     """
-    here = odom.inverse()
-    seen = [(here @ view.odom_from_robot).apply(tape_in(view.scan)) for view in views]
+    robot_from_odom = odom.inverse()
+    seen = [(robot_from_odom @ view.odom_from_robot).apply(tape_in(view.scan)) for view in views]
     points = np.concatenate(seen) if seen else np.zeros((0, 2))
     _, kept = np.unique(np.rint(points / SAME_CELL_M), axis=0, return_index=True)
     return points[np.sort(kept)]
@@ -40,11 +40,11 @@ def tape_in(scan: Scan, *, edges: bool = False) -> Array:
     ways = [scan.ranges]
     if scan.hidden is not None:
         begins, ends = scan.hidden.T
-        there = begins <= ends
+        hides = begins <= ends
         near, far = sight.T
         begins = np.where(begins > near, begins, np.nan if edges else near)
         ends = np.where(ends < far, ends, np.nan if edges else far)
-        ways += [np.where(there, begins, np.inf), np.where(there, ends, np.inf)]
+        ways += [np.where(hides, begins, np.inf), np.where(hides, ends, np.inf)]
     directions = heading_vectors(scan.bearings)
     points = [np.zeros((0, 2))]
     for away in ways:

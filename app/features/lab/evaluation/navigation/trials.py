@@ -245,7 +245,8 @@ class NavigationTrial:
 
         From outside of a ring of tape it could arrive only by crossing it.
         """
-        (goal,) = command.poses or ()
+        assert command.poses is not None
+        goal = command.poses[0]
         wanted = Pose2(goal.x, goal.y, goal.theta or 0.0)
         robot = self.program.robot
         assert isinstance(robot, RepositionableRobot)
