@@ -759,6 +759,12 @@ export interface LensStatusMessage {
   saved: boolean;
 }
 
+/** Tape that the robot follows by its camera, without a map. */
+export interface LineMessage {
+  /** Speed where the tape is straight [m/s]; in bends it is slower. */
+  speed?: number;
+}
+
 /** Rates and delays of the engine. */
 export interface LoopMessage {
   step_hz: number;
@@ -829,8 +835,8 @@ export interface MoveEndCommand {
 }
 
 /**
- * Drive to goals, one after the other; or along a closed curve, lap after lap. It holds until the
- * robot is there, as long as its sender is connected and nobody else drives.
+ * Drive to goals, one after the other; along a closed curve, lap after lap; or along tape. It
+ * holds until the robot is there, as long as its sender is connected and nobody else drives.
  */
 export interface NavigateCommand {
   /** Repeated in the answer. */
@@ -841,10 +847,12 @@ export interface NavigateCommand {
    */
   sent?: number | null;
   type: "navigate";
-  /** Where to; null, without a curve, only renews the journey that there is. */
+  /** Where to; null, without a curve or a line, only renews the journey that there is. */
   poses?: GoalMessage[] | null;
   /** The curve, in place of goals. */
   curve?: CurveMessage | null;
+  /** Follow the nearest tape in sight to its end, in place of goals. */
+  line?: LineMessage | null;
   /** Whether to begin again after the last goal. */
   repeat?: boolean;
   /** By name; null is that of the settings. */

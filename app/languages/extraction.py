@@ -45,12 +45,12 @@ SPEAKING = (
     "robot/calibration/lens/guide.py", "robot/calibration/lens/lens_calibration.py",
     "robot/cameras/choice.py", "robot/cameras/files.py",
     "robot/cameras/grabber.py", "robot/fields/drawing/question.py", "robot/hat/board.py",
-    "robot/hat/motor.py",
+    "robot/hat/motor.py", "robot/navigation/looking_around.py", "robot/settings.py",
     "robot/calibration/model_check.py", "robot/calibration/tracker.py",
     "robot/hat/start/troubles.py", "robot/hat/start/upload.py",
     "robot/localization/estimate.py", "robot/localization/monitoring/causes.py",
-    "robot/mapping/pushed.py", "robot/mapping/tape_map.py",
-    "robot/navigation/lookout.py", "robot/navigation/navigator.py", "robot/settings.py",
+    "robot/mapping/pushed.py", "robot/mapping/tape_map.py", "robot/navigation/line_follower.py",
+    "robot/navigation/lookout.py", "robot/navigation/navigator.py",
 )  # fmt: skip
 """Modules and folders in which every sentence is a text, but their documentation."""
 LESSONS = "app/features/course/lessons"

@@ -18,8 +18,8 @@ from robot.geometry import Array, Pose2
 from robot.navigation.dubins import along_arcs, shortest_arcs
 from robot.navigation.free_space import COST_WEIGHT, FreeSpace
 from robot.navigation.grid_search import _sift_down, _sift_up
-from robot.navigation.legs import STEP, WayLeg
-from robot.navigation.planning import NoWayError, require_free
+from robot.navigation.legs import STEP, WayLeg, straight
+from robot.navigation.planning import GATES, NoWayError, comes_no_nearer, require_free
 
 HEADINGS = 36
 """Headings are told apart to 10 degrees."""
@@ -46,9 +46,10 @@ def plan_in_headings(free: FreeSpace, start: Pose2, goal: Pose2) -> tuple[WayLeg
     if start.distance_to(goal) < STEP / 5 and abs(start.turn_to(goal)) < 0.02:
         return ()
     settings = free.settings
-    # The robot may already stand nearer to a wall than it shall come.
-    room = float(free.room(start.to_array()[None])[0])
-    clearance = min(settings.clearance, max(room - FRINGE, 0.0))
+    leaving, begin = _left_wall(free, start)
+    # Where that does not help, it keeps what room it has.
+    room = float(free.room(begin.to_array()[None])[0])
+    clearance = min(settings.clearance, room - FRINGE)
     path = _hybrid(
         free.distance,
         np.array([free.origin[0], free.origin[1], free.side]),
@@ -56,7 +57,7 @@ def plan_in_headings(free: FreeSpace, start: Pose2, goal: Pose2) -> tuple[WayLeg
         np.array([free.radius, clearance, settings.minimum_turning_radius]),
         _ways_left(_passages(free), *free.cell(goal.x, goal.y)),
         settings.resolution,
-        start.to_array(),
+        begin.to_array(),
         goal.to_array(),
     )
     if not len(path):
@@ -64,7 +65,24 @@ def plan_in_headings(free: FreeSpace, start: Pose2, goal: Pose2) -> tuple[WayLeg
             "no way was found on which the robot need not turn on the spot; valid is a smaller "
             "minimum_turning_radius, or another planner"
         )
-    return _legs(path)
+    return (*leaving, *_legs(path))
+
+
+def _left_wall(free: FreeSpace, start: Pose2) -> tuple[tuple[WayLeg, ...], Pose2]:
+    """Return the shortest straight way from beside a wall, or from one, to where the robot fits.
+
+    Raises:
+        NoWayError: the robot stands in a wall, and no straight way leads out of it.
+    """
+    if free.fits(start.to_array()[None]):
+        return (), start
+    for distance in sorted(GATES[1:], key=abs):
+        leg = straight(start, distance)
+        if free.fits(leg.end.to_array()[None]) and comes_no_nearer(free, leg, start):
+            return (leg,), leg.end
+    if free.stands_in_wall(start):
+        raise NoWayError("the robot stands on a wall, and no straight way leads away from it")
+    return (), start
 
 
 def _passages(free: FreeSpace) -> NDArray[np.float32]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,12 +12,16 @@ from numpy.typing import NDArray
 from robot.geometry import Array, Pose2
 from robot.navigation.free_space import FreeSpace
 from robot.navigation.legs import WayLeg, straight, turn
-from robot.navigation.place_kernels import ranges_from, reaches
+from robot.navigation.place_kernels import ranges_from, reaches, steps_clear
 from robot.navigation.possible_places import Glimpse, places_seen
+from robot.navigation.seen_tape import tape_seen
 from robot.scan import Scan
 
 MARGIN_M = 0.003
 """Room that the outline keeps to tape at each place where the robot may be [m]."""
+SEEN_MARGIN_M = 0.008
+"""Room that it keeps to tape that it has seen itself [m]. Points on the outline are 12 mm apart:
+with 4 mm, tape may lie between two of them."""
 RISKS = (0.001, 0.01, 0.03, 0.08, 0.2)
 """Share of the places at which a move may come nearer to tape. The first is that of one place, as
 none is clear of chance; the next ones are dared where no move was found before, one after the
@@ -35,6 +39,8 @@ SIGHT_GAIN = 0.2
 """Gain of a move after which all rays see tape. Without it, a robot whose views leave a single
 place stands as soon as no move would tell places apart, though its filter still doubts the place:
 one that was pushed on ``tee`` stood for good."""
+NEWS_RAD, NEWS_M = 0.5, 0.3
+"""A view counts in full that is turned or moved by so much from each one before [rad, m]."""
 OPEN_GAIN = 0.3
 """Gain of a move after which the robot can turn all around, where it could not before. Without it,
 a robot in a corner of ``tee`` turned to and fro by small angles."""
@@ -68,6 +74,9 @@ class Move:
     """In the odometry's frame; none if it shall stand."""
     reason: str
     """In words for people."""
+    rim: Array = field(default_factory=lambda: np.zeros((0, 2)), compare=False, repr=False)
+    """(k, 2) the robot's outline [m], which shall not come to tape that it sees on the way; empty
+    where it may cross tape."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,13 +136,15 @@ def look(
     believed: Sequence[Pose2] = (),
     *,
     dares: int = 0,
+    crosses_tape: bool = False,
 ) -> Move:
     """Return the move that tells most of the places apart at which the robot may be.
 
     The places are drawn at random, and weighed by what was seen. A move is compared by the share of
     pairs of places that would see something else after it, which is what is expected to be gained.
     At none of the places may the outline come to tape on the way, unless it stays on floor that was
-    seen to be free: that holds wherever the robot is.
+    seen to be free: that holds wherever the robot is. So does tape that was seen: no move comes to
+    it, however much is dared.
 
     Args:
         views: what was seen since the place is in doubt; one or more.
@@ -142,10 +153,12 @@ def look(
         free: distances to what it must not touch, and its outline.
         believed: poses in the map that a filter holds for possible now.
         dares: how often no move was found before: then it runs a risk.
+        crosses_tape: whether it may cross tape.
     """
     places = places_seen(views, odom, marks, free, believed)
     floor = ClearFloor.of(views, odom)
-    sweeps = sweeps_of(places, floor, free)
+    tape = np.zeros((0, 2)) if crosses_tape else tape_seen(views, odom)
+    sweeps = sweeps_of(places, floor, free, tape)
     some = _compared(places, believed)
     openness = _openness(some, free)
     best: tuple[Sweep, float] | None = None
@@ -163,7 +176,8 @@ def look(
                 ends = _moved(some, moved)
                 ranges = seen_from(ends, marks)
                 apart = told_apart(some, ranges)
-                gain = apart + SIGHT_GAIN * float((ranges < SEES_M[1]).mean())
+                sight = float((ranges < SEES_M[1]).mean()) * _news(views, odom @ moved)
+                gain = apart + SIGHT_GAIN * sight
                 gain += OPEN_GAIN * (_openness(ends, free) - openness)
                 gain -= RISK_COSTS[level] * risk + EFFORT * sweep.effort(amount)
                 if gain > most:
@@ -171,7 +185,8 @@ def look(
         if best is not None:
             sweep, amount = best
             legs = sweep.legs(odom, amount)
-            return Move(legs, reason=f"a move tells {share} % of the places apart")
+            rim = free.hollow.body[: 0 if crosses_tape else None]
+            return Move(legs, f"a move tells {share} % of the places apart", rim)
     if clear:
         return Move((), reason="no move would tell it more")
     return Move((), reason="no move is clear of walls at each place where it may be")
@@ -189,18 +204,34 @@ def _compared(places: Array, believed: Sequence[Pose2]) -> Array:
     return np.random.default_rng(0).permutation(some)
 
 
+def _news(views: Sequence[Glimpse], odom: Pose2) -> float:
+    """Return the share of a view at an odometry that no view before has shown."""
+    share = 1.0
+    for view in views:
+        turned = abs(odom.turn_to(view.odom_from_robot)) / NEWS_RAD
+        share = min(share, turned + odom.distance_to(view.odom_from_robot) / NEWS_M)
+    return share
+
+
 def _openness(places: Array, free: FreeSpace) -> float:
     """Return the share of places (n, 3) where the robot can turn all around."""
     return float((free.clearance(places[:, :2]) > free.radius + MARGIN_M).mean())
 
 
-def sweeps_of(places: Array, floor: ClearFloor, free: FreeSpace) -> list[Sweep]:
-    """Return the motions that are compared, and how far each place (n, 3) allows them."""
+def sweeps_of(
+    places: Array, floor: ClearFloor, free: FreeSpace, tape: Array = np.zeros((0, 2))
+) -> list[Sweep]:
+    """Return the motions that are compared, and how far each place (n, 3) allows them.
+
+    Tape that was seen, (m, 2) [m] in the robot's frame, is in the way at each place.
+    """
     rim = free.hollow.body
 
     def reach(steps: Array) -> NDArray[np.int64]:
         known = floor.has(steps, rim)
-        return reaches(places, steps, rim, known, free.distance, free.frame, MARGIN_M)
+        seen = steps_clear(steps, rim, tape, SEEN_MARGIN_M)
+        reached = reaches(places, steps, rim, known, free.distance, free.frame, MARGIN_M)
+        return np.minimum(reached, seen)
 
     def after(before: Pose2, blocked: NDArray[np.bool_], steps: Array) -> NDArray[np.int64]:
         # What room it keeps is that of its place now: the first step.

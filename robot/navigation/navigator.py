@@ -17,16 +17,16 @@ from robot.navigation.curves import ClosedCurve, Lap, lap_of
 from robot.navigation.free_space import FreeSpace
 from robot.navigation.goal import Goal
 from robot.navigation.legs import WayLeg, curve, straight, turn
+from robot.navigation.looking_around import Look, LookingAround
 from robot.navigation.lookout import Move
-from robot.navigation.planning import NoWayError, Planner, comes_no_nearer, plan
-from robot.navigation.possible_places import Glimpse
+from robot.navigation.planners import find_way
+from robot.navigation.planning import NoWayError, Planner, comes_no_nearer
+from robot.navigation.sensed import Sensed
 from robot.navigation.settings import NavigationSettings
 from robot.navigation.timed_way import Limits, TimedWay, timed, timed_loop
 from robot.navigation.tracker import follow
 
 NavigationState = Literal["planning", "driving", "waiting", "arrived", "canceled", "failed"]
-STANDS_V, STANDS_OMEGA = 0.004, 0.02
-"""A robot that is slower stands [m/s, rad/s]."""
 SETTLE_S = 0.4
 """The robot stands so long before its end is judged: the filter sees it at rest [s]."""
 GOAL_STAYS = 0.015
@@ -43,19 +43,9 @@ VAGUE_M = 0.035
 """At a goal where its bound is wider than this, the robot turns around once to see more [m]."""
 SLOWEST = 0.25
 """Share of its speed that the robot keeps while its bound is wide."""
-MOST_MOVES = 60
-"""It makes so many moves to see more, and then waits."""
-MOST_VIEWS = 24
-"""It remembers so many views of them."""
-LOOKS_S = 0.4
-"""It stands so long for a view [s]."""
-LOOKS_AGAIN_S = 3.0
-"""It looks again so long after no move would have helped [s]."""
 DOUBT_S = 1.0
 """It stands still while its place is in doubt for less than this, and then looks around [s]. It
 drives on slowly while the bound is only wide."""
-LOOKS_ENOUGH_S = 0.3
-"""It has looked around when its place was known for so long [s]."""
 KNOWN = (State.CERTAIN, State.APPROXIMATE)
 UNSURE = {
     State.AMBIGUOUS: "several places look alike",
@@ -63,9 +53,6 @@ UNSURE = {
     State.LOST: "it is lost",
 }
 
-
-GLANCE_ENDS_S = 0.3
-"""A move to see more is over so long after its time [s]."""
 SEARCHED_S = 1.0
 """The nearest place on a leg is looked for so far ahead [s]."""
 LEG_ENDS_M, LEG_ENDS_S = 0.006, 0.5
@@ -77,9 +64,6 @@ ON_CURVE = 0.02
 Plan = tuple[WayLeg, ...] | Lap | Move
 Job = Callable[[], Plan]
 """Plans; raises a ``NoWayError``."""
-Look = Callable[[tuple[Glimpse, ...], Pose2, tuple[Pose2, ...], int], Move]
-"""Finds the move that tells most: from views, the odometry now, places that are believed in, and
-how often there was none before."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,24 +97,6 @@ class NavigationStatus:
         return self.state in ("planning", "driving", "waiting")
 
 
-@dataclass(frozen=True)
-class Sensed:
-    """What a navigator knows of one tick."""
-
-    stamp: float
-    pose: Pose2 | None
-    """The estimate now; None while there is none."""
-    twist: Twist2
-    """As the wheels measure it."""
-    integrity: Integrity
-    odom: Pose2 = Pose2()
-    """The robot in the odometry's frame."""
-    view: Glimpse | None = None
-    """What it saw last; None before that."""
-    places: tuple[Pose2, ...] = ()
-    """Where it may be now, by its filter."""
-
-
 class Navigator:
     """One journey: to a goal, or to several one after the other."""
 
@@ -144,7 +110,7 @@ class Navigator:
         name: str | int | None = None,
         repeat: bool = False,
         curve: ClosedCurve | None = None,
-        planner: Planner = plan,
+        planner: Planner = find_way,
         controller: PathController | None = None,
     ) -> None:
         """Begin a journey.
@@ -163,7 +129,7 @@ class Navigator:
         self.status = NavigationStatus("planning", goals, name, on_curve=curve is not None)
         self._settings = settings
         self._limits = limits
-        self._look = look
+        self._lookout = LookingAround(look, limits, settings)
         self._repeat = repeat
         self._planner = planner
         self._controller = controller or Tracker()
@@ -179,20 +145,6 @@ class Navigator:
         """When the trajectory was over [s]; None before that."""
         self._asked: Pose2 | None = None
         """Where the way begins that is planned now; None if none is."""
-        self._moves = 0
-        """How often it has moved to see more since it last knew its place."""
-        self._views: list[Glimpse] = []
-        """What it has seen since then."""
-        self._in_vain = 0
-        """How often it has looked and found no move, since the last move."""
-        self._told = ""
-        """Why it moves so, or not."""
-        self._look_at = 0.0
-        """When it looks [s]."""
-        self._glance: TimedWay | None = None
-        """The move to see more, in the odometry's frame."""
-        self._knows_since: float | None = None
-        self._looks = False
         self._doubted_since: float | None = None
         self._corrections = 0
         self._seeks = self._sought = False
@@ -204,12 +156,13 @@ class Navigator:
 
     def job(self, free: Callable[[], FreeSpace], tick: Sensed) -> Job | None:
         """Return work for another thread, if there is some: its result belongs to ``take``."""
-        if self._looks:
-            return self._look_job(tick)
-        if (
-            self.status.state != "planning" or self._asked is not None or tick.pose is None
-            or not self._stands(tick)
-        ):  # fmt: skip
+        if self._asked is not None:
+            return None
+        if self._lookout.active:
+            search = self._lookout.job(tick)
+            self._asked = None if search is None else tick.odom
+            return search
+        if self.status.state != "planning" or tick.pose is None or not tick.stands:
             return None
         if self._curve is not None:
             return self._curve_job(self._curve, free, tick.pose)
@@ -260,33 +213,13 @@ class Navigator:
 
         return work
 
-    def _look_job(self, tick: Sensed) -> Job | None:
-        """Return the work of finding a move, if the robot stands and has seen what it can."""
-        if (
-            self._asked is not None or self._glance is not None or tick.view is None
-            or self._knows_since is not None or self._moves >= MOST_MOVES
-            or tick.stamp < self._look_at or not self._stands(tick)
-        ):  # fmt: skip
-            return None
-        seen, views = tick.view, self._views
-        if not views or views[-1].is_elsewhere(seen):
-            self._views = views = [*views[1 - MOST_VIEWS :], seen]
-        look, odom, places, dares = self._look, tick.odom, tick.places, self._in_vain
-        self._asked = odom
-        return lambda: look(tuple(views), odom, places, dares)
-
     def take(self, legs: Plan | BrickPoseError) -> None:
         """Drive along legs that were planned, or stand if there is no way."""
         self._asked = None
         if not self.status.active:
             return
         if isinstance(legs, Move):
-            self._told = legs.reason
-            self._in_vain = 0 if legs.legs else self._in_vain + 1
-            self._look_at = (self._stamp or 0.0) + LOOKS_AGAIN_S
-            if legs.legs and self._looks:
-                self._moves += 1
-                self._clock, self._glance = 0.0, timed(legs.legs, self._limits)
+            self._lookout.take(legs, self._stamp or 0.0)
             return
         if isinstance(legs, BrickPoseError):
             self._end("failed", str(legs))
@@ -318,7 +251,7 @@ class Navigator:
             self._doubted_since = tick.stamp
         elif not doubt:
             self._doubted_since = None
-        if pose is None or self._looks or self._has_to_look(tick):
+        if pose is None or self._lookout.active or self._has_to_look(tick):
             return self._look_around(tick, doubt, passed)
         if trajectory is None or self._stays(tick, pose, trajectory, doubt):
             return Twist2()
@@ -376,7 +309,7 @@ class Navigator:
         end = float(trajectory.times[high])
         nearest = trajectory.nearest_time(pose, self._clock, min(self._clock + SEARCHED_S, end))
         left = trajectory.at(end).pose.distance_to(pose)
-        if left < LEG_ENDS_M or (end - nearest < LEG_ENDS_S and self._stands(tick)):
+        if left < LEG_ENDS_M or (end - nearest < LEG_ENDS_S and tick.stands):
             return latest if latest > end else end
         return nearest
 
@@ -390,7 +323,7 @@ class Navigator:
     @property
     def looks(self) -> bool:
         """Whether it finds out where it is."""
-        return self._looks
+        return self._lookout.active
 
     def ask_again(self) -> None:
         """Have the way planned again whose result was lost."""
@@ -401,7 +334,8 @@ class Navigator:
         trajectory = self._trajectory
         if trajectory is not None and trajectory.loop is not None:
             self._left_at = trajectory.at(self._clock).pose
-        self._trajectory = self._glance = None
+        self._trajectory = None
+        self._lookout.give_up_move()
         self._stands_since = None
         self._show("planning")
 
@@ -413,9 +347,6 @@ class Navigator:
     @property
     def _goal(self) -> Goal:
         return self.status.goals[self.status.number]
-
-    def _stands(self, tick: Sensed) -> bool:
-        return abs(tick.twist.v) < STANDS_V and abs(tick.twist.omega) < STANDS_OMEGA
 
     def _doubt(self, tick: Sensed) -> str:
         """Return in words why the robot does not know its place well enough; empty if it does."""
@@ -436,40 +367,16 @@ class Navigator:
 
     def _look_around(self, tick: Sensed, doubt: str, passed: float) -> Twist2:
         """Move so that the place becomes known; stand if that has not helped."""
-        if not self._looks:
-            self._looks, self._moves, self._views, self._told = True, 0, [], ""
-            self._in_vain = 0
-            self._look_at = tick.stamp + LOOKS_S
-            self._trajectory = self._glance = None
+        lookout = self._lookout
+        if not lookout.active:
+            lookout.begin(tick.stamp)
+            self._trajectory = None
         self._stands_since = None
-        if not doubt:
-            self._knows_since = tick.stamp if self._knows_since is None else self._knows_since
-            if tick.stamp - self._knows_since >= LOOKS_ENOUGH_S and self._stands(tick):
-                self._looks, self._knows_since, self._glance = False, None, None
-                self.plan_anew()
-                return Twist2()
-        else:
-            self._knows_since = None
-        self._show("waiting", reason=self._looking(doubt))
-        if self._glance is None or self._knows_since is not None:
+        if lookout.is_over(tick, doubt):
+            self.plan_anew()
             return Twist2()
-        self._clock += passed
-        if self._clock >= self._glance.duration + GLANCE_ENDS_S:
-            self._glance, self._look_at = None, tick.stamp + LOOKS_S
-            return Twist2()
-        wanted = self._glance.at(self._clock)
-        ahead = self._glance.at(self._clock + self._settings.command_lag).twist
-        return follow(tick.odom, wanted, ahead, self._settings)
-
-    def _looking(self, doubt: str) -> str:
-        """Return in words why the robot stands, or moves to see more."""
-        if not doubt:
-            return "it knows its place again"
-        if self._glance is not None:
-            return f"{doubt}: it looks around, {self._told}"
-        if self._moves >= MOST_MOVES:
-            return f"{doubt}: it waits until it knows better"
-        return f"{doubt}: {self._told or 'it looks'}"
+        self._show("waiting", reason=lookout.reason(doubt))
+        return lookout.step(tick, passed)
 
     def _pace(self, integrity: Integrity) -> float:
         """Return the share of the planned speed that the robot drives."""
@@ -489,7 +396,7 @@ class Navigator:
         is_turned = abs(error.theta) <= settings.yaw_goal_tolerance / 2
         if self._stands_since is None:
             late = self._clock_since_end(tick) > 2.0
-            if not (is_there and is_turned and self._stands(tick)) and not late:
+            if not (is_there and is_turned and tick.stands) and not late:
                 return False
             self._stands_since = tick.stamp
         if tick.stamp - self._stands_since < SETTLE_S:

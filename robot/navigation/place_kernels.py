@@ -101,6 +101,12 @@ def reaches(
         margin: room that is kept [m]; a robot that has less at its start keeps that.
     """
     result = np.zeros(len(places), np.int64)
+    # Where its middle is so far from walls, no point on the outline need be looked at; the distance
+    # is that of a cell's middle.
+    radius = 0.0
+    for k in range(len(rim)):
+        radius = max(radius, math.hypot(rim[k, 0], rim[k, 1]))
+    far = radius + margin + 2.0 * frame[2]
     for place in range(len(places)):
         x, y, theta = places[place, 0], places[place, 1], places[place, 2]
         turned_cos, turned_sin = math.cos(theta), math.sin(theta)
@@ -108,18 +114,52 @@ def reaches(
         for step in range(len(steps)):
             to_x = x + turned_cos * steps[step, 0] - turned_sin * steps[step, 1]
             to_y = y + turned_sin * steps[step, 0] + turned_cos * steps[step, 1]
+            if _distance(cells, frame, to_x, to_y) >= far:
+                result[place] = step
+                continue
             turned = theta + steps[step, 2]
             transform = to_x, to_y, math.cos(turned), math.sin(turned)
             room = np.inf
             for k in range(len(rim)):
                 if not (known[step, k] and step):
                     room = min(room, _distance_at(cells, frame, transform, rim[k, 0], rim[k, 1]))
+                    if step and room < kept:
+                        break
             if step == 0:
                 kept = min(margin, room)
             elif room < kept:
                 break
             result[place] = step
     return result
+
+
+@compiled()
+def steps_clear(steps: Array, rim: Array, points: Array, margin: float) -> int:
+    """Return how many steps a robot goes until its outline comes to points (n, 2).
+
+    Args:
+        steps: (s, 3) its poses on the way; the first is the start.
+        rim: (k, 2) points on its outline [m].
+        points: in the frame of the steps [m].
+        margin: room that is kept [m]; a robot that has less at its start keeps that.
+    """
+    kept = margin
+    for step in range(len(steps)):
+        x, y = steps[step, 0], steps[step, 1]
+        cos, sin = math.cos(steps[step, 2]), math.sin(steps[step, 2])
+        room = np.inf
+        for k in range(len(rim)):
+            left = x + cos * rim[k, 0] - sin * rim[k, 1]
+            up = y + sin * rim[k, 0] + cos * rim[k, 1]
+            for n in range(len(points)):
+                away = (points[n, 0] - left) ** 2 + (points[n, 1] - up) ** 2
+                room = min(room, away)
+        room = math.sqrt(room)
+        if step == 0:
+            kept = min(margin, room)
+        elif room < kept:
+            return step - 1
+    return len(steps) - 1
 
 
 @compiled()

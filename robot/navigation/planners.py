@@ -9,7 +9,7 @@ from types import MappingProxyType
 from robot.geometry import Pose2
 from robot.navigation.free_space import FreeSpace
 from robot.navigation.legs import WayLeg
-from robot.navigation.planning import Planner, plan, plan_by_corners
+from robot.navigation.planning import NoWayError, Planner, plan, plan_by_corners
 
 PATIENCE_S = 0.15
 
@@ -34,6 +34,23 @@ def _in_headings(free: FreeSpace, start: Pose2, goal: Pose2) -> tuple[WayLeg, ..
     return plan_in_headings(free, start, goal)
 
 
+def find_way(free: FreeSpace, start: Pose2, goal: Pose2) -> tuple[WayLeg, ...]:
+    """Return legs by ``plan``, or where they would have to turn without room, by headings.
+
+    The robot is longer than it is wide: there are passages in which it fits, but cannot turn.
+
+    Raises:
+        NoWayError: neither finds a way; says why the first does not.
+    """
+    try:
+        return plan(free, start, goal)
+    except NoWayError as error:
+        try:
+            return _in_headings(free, start, goal)
+        except NoWayError:
+            raise error from None
+
+
 def _at_random(free: FreeSpace, start: Pose2, goal: Pose2) -> tuple[WayLeg, ...]:
     from robot.navigation.random_tree import random_corners  # noqa: PLC0415 - few use it
 
@@ -44,7 +61,7 @@ PLANNERS: Mapping[str, PlannerKind] = MappingProxyType(
     {
         kind.name: kind
         for kind in (
-            PlannerKind("grid", plan, ends=True),
+            PlannerKind("grid", find_way, ends=True),
             PlannerKind("lattice", _in_headings, 0.3, ends=True),
             PlannerKind("rrt", _at_random, 1.5, ends=True),
         )

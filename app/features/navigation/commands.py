@@ -50,7 +50,7 @@ def _begin(request: Request[NavigateCommand]) -> None:
 
 def _starts(command: NavigateCommand) -> bool:
     """Whether a command starts a journey; else it renews the one that there is."""
-    return command.poses is not None or command.curve is not None
+    return any(each is not None for each in (command.poses, command.curve, command.line))
 
 
 def _navigate(tick: TickContext[NavigateCommand]) -> None:
@@ -97,14 +97,15 @@ def _check_walls(command: SetWallsCommand, field: Field) -> None:
 
 def _check(command: NavigateCommand, program: Program) -> None:
     """Refuse a goal while nothing could tell the robot where it is."""
+    if sum(each is not None for each in (command.poses, command.curve, command.line)) > 1:
+        raise CommandError("a journey has poses, a curve or a line; valid is one of them")
     if command.curve is not None:
-        if command.poses is not None:
-            raise CommandError("a journey has poses or a curve; valid is one of them")
         curve_of(command.curve, program.config.figure_eight)
     latest = program.engine.latest.get()
     if not _starts(command) or latest is None:
         return
-    if latest.filter.paused or latest.filter.hand is not None:
+    by_map = command.line is None
+    if by_map and (latest.filter.paused or latest.filter.hand is not None):
         raise CommandError("the filter is paused; resume it to drive to a goal")
     if latest.drawn is not None:
         raise CommandError(DRAWN)

@@ -21,5 +21,6 @@ COMPILED = (
         "robot.navigation.place_kernels.reaches",
         (_TABLE, _TABLE, _TABLE, boolean[:, ::1], _COSTS, _ROW, float64),
     ),
+    Compiled("robot.navigation.place_kernels.steps_clear", (_TABLE, _TABLE, _TABLE, float64)),
     Compiled("robot.navigation.place_kernels.ranges_from", (_TABLE, _ROW, _ROW, _COSTS, _ROW)),
 )

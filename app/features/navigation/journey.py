@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from app.engine.driving import Programme
-from app.features.navigation.messages import CurveMessage, NavigateCommand
+from app.features.navigation.messages import CurveMessage, LineMessage, NavigateCommand
 from robot.driving.figure_eight import FigureEight
 from robot.errors import CommandError
 from robot.geometry import Pose2, Twist2
@@ -14,6 +14,7 @@ from robot.navigation.goal import Goal
 
 if TYPE_CHECKING:
     from robot.navigation.curves import ClosedCurve
+    from robot.navigation.line_follower import LineFollower
     from robot.navigation.navigator import Navigator
 
 MODE = "navigate"
@@ -26,7 +27,7 @@ class Helm:
         self.twist = Twist2()
         self.taken = True
         """Whether the drive has taken it since it was set; it does not while nobody renews it."""
-        self.navigator: Navigator | None = None
+        self.navigator: Navigator | LineFollower | None = None
         """Who steers; None before the first tick."""
         self.canceled = False
         """Whether somebody ended the journey."""
@@ -51,6 +52,8 @@ class Journey(Programme):
     repeat: bool = False
     curve: CurveMessage | None = None
     """What it drives lap after lap, in place of goals."""
+    line: LineMessage | None = None
+    """What it follows in place of goals."""
     planner: str | None = None
     controller: str | None = None
     """By name; None are those of the settings."""
@@ -70,6 +73,7 @@ class Journey(Programme):
             name=command.id,
             repeat=command.repeat,
             curve=command.curve,
+            line=command.line,
             planner=command.planner,
             controller=command.controller,
             began=stamp,

@@ -48,17 +48,28 @@ class CurveMessage(Message):
     Circles are driven to the left first, and the square's corners are left ones."""
 
 
+class LineMessage(Message):
+    """Tape that the robot follows by its camera, without a map."""
+
+    model_config = ConfigDict(strict=True)
+
+    speed: Annotated[float, Field(ge=0.01, le=2)] = 0.12
+    """Speed where the tape is straight [m/s]; in bends it is slower."""
+
+
 class NavigateCommand(CommandMessage):
-    """Drive to goals, one after the other; or along a closed curve, lap after lap.
+    """Drive to goals, one after the other; along a closed curve, lap after lap; or along tape.
 
     It holds until the robot is there, as long as its sender is connected and nobody else drives.
     """
 
     type: Literal["navigate"]
     poses: Annotated[list[GoalMessage], Field(min_length=1, max_length=MOST_GOALS)] | None = None
-    """Where to; null, without a curve, only renews the journey that there is."""
+    """Where to; null, without a curve or a line, only renews the journey that there is."""
     curve: CurveMessage | None = None
     """The curve, in place of goals."""
+    line: LineMessage | None = None
+    """Follow the nearest tape in sight to its end, in place of goals."""
     repeat: bool = False
     """Whether to begin again after the last goal."""
     planner: Annotated[str, Field(max_length=200)] | None = None

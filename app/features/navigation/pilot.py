@@ -23,11 +23,13 @@ from robot.fields.field import Field
 from robot.geometry import Pose2, Twist2
 from robot.interface import Reading
 from robot.navigation.free_space import FreeSpace
+from robot.navigation.line_follower import LineFollower
 from robot.navigation.lookout import Move, look
-from robot.navigation.navigator import NavigationStatus, Navigator, Plan, Sensed
+from robot.navigation.navigator import NavigationStatus, Navigator, Plan
 from robot.navigation.planners import PLANNERS
 from robot.navigation.planning import NoWayError
 from robot.navigation.possible_places import Glimpse
+from robot.navigation.sensed import Sensed
 from robot.navigation.settings import NavigationSettings
 from robot.navigation.timed_way import Limits
 from robot.navigation.walls import Walls
@@ -102,7 +104,7 @@ class Pilot:
         navigator = journey.helm.navigator
         tick = _tick(reading, controls)
         self._heed_walls(navigator, walls_in(controls.kept))
-        if getattr(controls.follower, "paused", False):
+        if getattr(controls.follower, "paused", False) and journey.line is None:
             navigator.cancel(phrase("the filter was paused"))
         self._plan(navigator, tick, controls)
         if journey.helm.taken:
@@ -142,6 +144,10 @@ class Pilot:
             self._walls = walls_in(controls.kept)
             self._tells = self._walls != NOTHING_SAID
             limits, curve = self._limits(controls.driving.kinematics), None
+            if journey.line is not None:
+                follower = LineFollower(journey.line.speed, limits, name=journey.name)
+                journey.helm.navigator, self.shown = follower, follower.status
+                return
             if journey.curve is not None:
                 eight = self._config.figure_eight
                 curve = curve_of(journey.curve, eight)
@@ -167,7 +173,7 @@ class Pilot:
         rim = min(drive.spec.joints[each].max_velocity * drive.radii[each] for each in wheels)
         return Limits.of(self._config.drive, self.settings, float(rim), drive.track)
 
-    def _heed_walls(self, navigator: Navigator, walls: Walls) -> None:
+    def _heed_walls(self, navigator: Navigator | LineFollower, walls: Walls) -> None:
         """Stand, and plan anew, when somebody has said something else of walls."""
         if walls == self._walls:
             return
@@ -176,7 +182,7 @@ class Pilot:
         navigator.ask_again()
         navigator.plan_anew()
 
-    def _plan(self, navigator: Navigator, tick: Sensed, controls: Controls) -> None:
+    def _plan(self, navigator: Navigator | LineFollower, tick: Sensed, controls: Controls) -> None:
         """Have a way planned, or take one that is due."""
         if self._future is not None:
             if tick.stamp >= self._due:
@@ -219,7 +225,8 @@ class Pilot:
             tape = Walls(tape="wall")
             self._marks = FreeSpace.of(self._field, outline, self.settings, tape, edge=False)
         free = self._space(outline, self._walls)
-        return look(views, odom, self._marks, free, places, dares=dares)
+        crosses = self._walls.ignore_tape(self._field, self.settings)
+        return look(views, odom, self._marks, free, places, dares=dares, crosses_tape=crosses)
 
     def _space(self, outline: np.ndarray, walls: Walls) -> FreeSpace:
         """Return the free space; in the thread."""

@@ -15,7 +15,8 @@ from robot.errors import CommandError
 from robot.geometry import Array, Pose2
 from robot.navigation.free_space import FreeSpace
 from robot.navigation.legs import WayLeg
-from robot.navigation.planning import NoWayError, plan
+from robot.navigation.planners import find_way
+from robot.navigation.planning import NoWayError
 from robot.navigation.settings import NavigationSettings
 from robot.navigation.walls import Walls
 
@@ -49,7 +50,7 @@ class Plans:
         with self._lock:
             space = self._free(walls if isinstance(walls, Walls) else Walls())
         try:
-            legs = plan(space, start, goal)
+            legs = find_way(space, start, goal)
         except NoWayError as error:
             raise CommandError(str(error)) from error
         return {"plan": asdict(path_message(self._source, latest.stamp, _poses(legs, start)))}

@@ -28,6 +28,8 @@ export class Journey {
   #asked = 0;
   /** Whether this page has the robot drive along a closed curve. */
   #onCurve = false;
+  /** Whether this page has the robot follow tape. */
+  #onTape = false;
 
   /**
    * @param {Drive} drive
@@ -61,6 +63,12 @@ export class Journey {
     this.#begin({ type: "navigate", curve: { shape: "figure_eight", speed }, renewed: true });
   }
 
+  /** Follow the tape ahead by the camera, without a map; or end it, if this page does. */
+  followTape() {
+    if (this.#onTape) return void this.order({ type: "cancel" });
+    this.#begin({ type: "navigate", line: { speed: Math.min(this.drive.speed, this.drive.maxV) }, renewed: true });
+  }
+
   /** @param {Command} command */
   #begin(command) {
     if (this.drive.mayBegin) this.#own.begin(command);
@@ -71,6 +79,7 @@ export class Journey {
   /** @param {TelemetryMessage} telemetry */
   follow({ mode, navigation, driver }) {
     this.#onCurve = mode === "navigate" && this.#own.mine && !!navigation?.on_curve;
+    this.#onTape = mode === "navigate" && this.#own.mine && !navigation?.on_curve && this.way?.goals.length === 0;
     this.#own.heed(mode === "navigate", driver.stopped);
     this.#own.follow(mode === "navigate");
     this.#line.hidden = !navigation;
@@ -99,6 +108,7 @@ function words({ state, remaining_m, remaining_s, reason, number, on_curve }, co
       return t("goal: planning the way");
     case "driving":
       if (on_curve) return t("curve: {way} m of this lap left", left);
+      if (count === 0) return t("tape: following it");
       if (count > 1) return t("goal {number} of {count}: {way} m, {time} s left", { number: number + 1, count, ...left });
       return t("goal: {way} m, {time} s left", left);
     case "waiting":

@@ -36,6 +36,7 @@ export class Planning {
   #remove = make("button", { type: "button", title: t("Remove the zone that was drawn last") });
   #tape = toggle(t("cross tape"), t("Whether the robot may cross tape on its way to goals"));
   #eight = make("button", { type: "button", title: t("Drive the figure-eight closed: the robot stays on the curve by its estimate, at the speed of the slider") }, t("closed figure-eight"));
+  #follow = make("button", { type: "button", title: t("Follow the tape ahead by the camera, without a map, at the speed of the slider") }, t("follow tape"));
   #costs = toggle(t("costs"), t("Shade the floor by what a way there costs: that is why the robot goes around"));
   #words = make("p", { role: "status" });
   #row = make("div", { id: "planning", class: "tools", role: "group", "aria-label": t("Goals") });
@@ -67,7 +68,8 @@ export class Planning {
     this.#tape.onclick = () => this.#say({ tape: this.#walls.tape === "wall" ? "ignored" : "wall" });
     this.#costs.onclick = () => this.#press(this.#costs, (on) => (on ? this.#ask() : (this.#layer = null)));
     this.#eight.onclick = () => journey.loop();
-    this.#row.append(this.#several, this.#once, this.#patrol, this.#back, this.#draw, this.#remove, this.#tape, this.#costs, this.#eight);
+    this.#follow.onclick = () => journey.followTape();
+    this.#row.append(this.#several, this.#once, this.#patrol, this.#back, this.#draw, this.#remove, this.#tape, this.#costs, this.#eight, this.#follow);
     this.#row.hidden = true;
     findButton("journey-cancel").closest("p")?.before(this.#row, this.#words);
     this.#show();

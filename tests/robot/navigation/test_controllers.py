@@ -14,8 +14,9 @@ from robot.navigation.controllers import CONTROLLERS, RegulatedPurePursuit, Trac
 from robot.navigation.free_space import FreeSpace
 from robot.navigation.goal import Goal
 from robot.navigation.legs import curve, straight
-from robot.navigation.navigator import Navigator, Sensed
+from robot.navigation.navigator import Navigator
 from robot.navigation.planning import NoWayError
+from robot.navigation.sensed import Sensed
 from robot.navigation.settings import NavigationSettings
 from robot.navigation.timed_way import Limits, Wanted
 

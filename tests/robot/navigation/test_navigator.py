@@ -13,10 +13,12 @@ from robot.localization.estimate import Integrity, State
 from robot.navigation.free_space import FreeSpace
 from robot.navigation.goal import Goal
 from robot.navigation.legs import turn
+from robot.navigation.looking_around import MOST_MOVES
 from robot.navigation.lookout import Move
-from robot.navigation.navigator import MOST_MOVES, Navigator, Sensed
+from robot.navigation.navigator import Navigator
 from robot.navigation.planning import NoWayError
 from robot.navigation.possible_places import Glimpse
+from robot.navigation.sensed import Sensed
 from robot.navigation.settings import NavigationSettings
 from robot.navigation.timed_way import Limits
 from robot.scan import Scan

@@ -14,7 +14,7 @@ from robot.geometry import Pose2, wrap_angle
 from robot.navigation.dubins import along_arcs, shortest_arcs
 from robot.navigation.free_space import FreeSpace
 from robot.navigation.planners import PLANNERS
-from robot.navigation.planning import NoWayError
+from robot.navigation.planning import NoWayError, plan
 from robot.navigation.settings import NavigationSettings
 
 SETTINGS = NavigationSettings()
@@ -56,6 +56,56 @@ def test_the_lattice_drives_bends_of_its_radius_and_never_turns_on_the_spot(star
         middle = (leg.poses[:-1, 2] + leg.poses[1:, 2]) / 2 + (np.pi if leg.backwards else 0)
         off = wrap_angle(np.arctan2(ahead[:, 1], ahead[:, 0]) - middle)
         assert (np.abs(off)[way > 1e-6] < 0.02).all()
+
+
+@pytest.fixture(scope="module")
+def fields() -> dict[str, FreeSpace]:
+    outline = RobotSpec.load().outline
+    names = ("square", "stub", "tee", "town")
+    return {name: FreeSpace.of(load_field(name, MAPS), outline, SETTINGS) for name in names}
+
+
+def _fitting(free: FreeSpace, rng: np.random.Generator) -> Pose2:
+    while True:
+        xmin, ymin, xmax, ymax = free.extent
+        x, y, theta = rng.uniform((xmin, ymin, -np.pi), (xmax, ymax, np.pi)).tolist()
+        if free.fits(np.array([[x, y, theta]])):
+            return Pose2(x, y, theta)
+
+
+@settings(max_examples=60, deadline=None)
+@given(name=st.sampled_from(["square", "stub", "tee", "town"]), seed=st.integers(0, 2**32 - 1))
+def test_cells_find_a_way_wherever_headings_do_and_it_keeps_its_clearance(fields, name, seed):
+    free, rng = fields[name], np.random.default_rng(seed)
+    start, goal = (_fitting(free, rng) for _ in range(2))
+    try:
+        PLANNERS["lattice"].plan(free, start, goal)
+    except NoWayError:
+        return
+    legs = PLANNERS["grid"].plan(free, start, goal)
+    # Two cells of a diagonal less: clearance is that of the nearest cell.
+    least = min((float(free.room(leg.poses).min()) for leg in legs), default=1.0)
+    assert least > SETTINGS.clearance - 2 * free.side
+
+
+def test_where_it_fits_but_cannot_turn_cells_leave_it_to_headings(fields):
+    start, goal = Pose2(0.366, 0.151, -1.691), Pose2()
+    with pytest.raises(NoWayError):
+        plan(fields["tee"], start, goal)
+    legs = PLANNERS["grid"].plan(fields["tee"], start, goal)
+    assert legs[-1].end.distance_to(goal) < 1e-6
+
+
+def test_by_headings_a_robot_on_tape_leaves_it_and_does_not_come_back_to_it():
+    start = Pose2(0.46, 0.0, 0.0)
+    assert FREE.stands_in_wall(start)
+    legs = PLANNERS["lattice"].plan(FREE, start, Pose2(0.0, 0.0, 1.0))
+    room = np.concatenate([FREE.room(leg.poses) for leg in legs])
+    clear = np.flatnonzero(room > 0)[0]
+    assert (room[clear:] > 0).all()
+    beyond = Pose2(0.5, 0.0, 1.57)
+    with pytest.raises(NoWayError, match="stands on a wall"):
+        PLANNERS["lattice"].plan(FREE, beyond, Pose2(0.0, 0.0, 1.0))
 
 
 @given(

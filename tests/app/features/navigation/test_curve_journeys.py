@@ -93,7 +93,7 @@ def test_a_curve_into_a_wall_fails_and_the_robot_stands(bench):
                 poses=[GoalMessage(x=0, y=0)],
                 curve=CurveMessage(shape="circle"),
             ),
-            "poses or a curve",
+            "poses, a curve or a line",
         ),
     ],
 )

@@ -26,7 +26,8 @@ from robot.interface import RepositionableRobot
 from robot.navigation.free_space import FreeSpace
 from robot.navigation.legs import WayLeg
 from robot.navigation.navigator import NavigationStatus
-from robot.navigation.planning import NoWayError, plan
+from robot.navigation.planners import find_way
+from robot.navigation.planning import NoWayError
 from robot.navigation.settings import NavigationSettings
 from robot.navigation.timed_way import REST_S, Limits, timed
 
@@ -184,7 +185,7 @@ class NavigationTrial:
             if goal.distance_to(start) < SHORTEST_M:
                 continue
             try:
-                return goal, plan(self.free, start, goal)
+                return goal, find_way(self.free, start, goal)
             except NoWayError:
                 continue
         return None, ()
@@ -229,7 +230,7 @@ class NavigationTrial:
                 return status
             if moved_at is not None and self.now.stamp >= moved_at:
                 moved_at = None
-                self._was_moved = self._move(PUSH_M[self.trial])
+                self._was_moved = self._move(PUSH_M[self.trial], command)
         self._put(StopCommand(type="stop"))
         return status
 
@@ -239,19 +240,32 @@ class NavigationTrial:
         status: NavigationStatus | None = self.now.added.get("navigation")
         return status
 
-    def _move(self, distance: float) -> bool:
-        """Move the robot, unseen, to where it fits; False if it fits nowhere."""
+    def _move(self, distance: float, command: NavigateCommand) -> bool:
+        """Move the robot, unseen, to where it fits and can drive to its goal; False if nowhere.
+
+        From outside of a ring of tape it could arrive only by crossing it.
+        """
+        assert command.poses is not None
+        goal = command.poses[0]
+        wanted = Pose2(goal.x, goal.y, goal.theta or 0.0)
         robot = self.program.robot
         assert isinstance(robot, RepositionableRobot)
         for _ in range(TRIES):
             bearing, turn = self.rng.uniform(-math.pi, math.pi), self.rng.normal(0, 0.3)
             moved = Pose2(distance * math.cos(bearing), distance * math.sin(bearing), float(turn))
             place = self.truth @ moved
-            if self.free.fits(place.to_array()[None]):
+            if self.free.fits(place.to_array()[None]) and self._has_way(place, wanted):
                 robot.place(place)
                 self._was_clear = False
                 return True
         return False
+
+    def _has_way(self, start: Pose2, goal: Pose2) -> bool:
+        try:
+            find_way(self.free, start, goal)
+        except NoWayError:
+            return False
+        return True
 
     def _run(self, seconds: float) -> None:
         until = self.now.stamp + seconds
