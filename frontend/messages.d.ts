@@ -125,6 +125,10 @@ export interface CalibrationMessage {
   position: number | null;
   /** Motions that would determine what is not known yet. */
   advice: string[];
+  /** How well the last drive fits; empty without one. */
+  facts: string[];
+  /** What is wrong with it, or may be wrong. */
+  remarks: string[];
 }
 
 /** End the journey to a goal: the robot stands where it is. */

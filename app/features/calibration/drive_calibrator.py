@@ -211,7 +211,9 @@ class DriveCalibrator:
         source = phrase(f"{driven:.0f} s of driving on {program.field.name}")
         values, sd = calibration.values[:ROBOT], calibration.sd[:ROBOT]
         earlier = Profile.of(newest.spec)
-        profile = Profile(drive.spec.name, self._clock(), source, values, sd, earlier.lens)
+        calibration.quality.require_consistent()
+        fit = calibration.quality.table()
+        profile = Profile(drive.spec.name, self._clock(), source, values, sd, earlier.lens, fit)
         program.engine.commands.put(calibration_command(profile))
         program.engine.commands.put(drive.pose_command(calibration, newest))
         self._present_before = profile, earlier

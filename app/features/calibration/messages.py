@@ -84,6 +84,10 @@ class CalibrationMessage(Message):
     """By how much these errors may shift the estimated place, in 95 % [m]; null without a drive."""
     advice: list[str]
     """Motions that would determine what is not known yet."""
+    facts: list[str]
+    """How well the last drive fits; empty without one."""
+    remarks: list[str]
+    """What is wrong with it, or may be wrong."""
 
 
 MESSAGES = (CalibrationMessage, FloorGridMessage)

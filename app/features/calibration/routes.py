@@ -78,6 +78,8 @@ def calibration_message(spec: RobotSpec, calibrator: DriveCalibrator) -> Calibra
         unknowns=_unknowns(values[:ROBOT], sd[:ROBOT]),
         position=None if result is None else _position(result),
         advice=[] if result is None else list(result.advice),
+        facts=[] if result is None else list(result.quality.facts),
+        remarks=[] if result is None else list(result.remarks),
     )
 
 

@@ -54,9 +54,10 @@ def calibrate_drive(given: dict[str, Any]) -> int:
 
     Raises:
         CalibrationError: the drive does not determine the unknowns; nothing is written.
+        ContradictionError: it contradicts itself; only the report is written.
         SettingError, FieldError, RecordingError, OSError: says what cannot be used.
     """
-    seconds = given.pop("seconds", USUAL_S)
+    seconds, force = given.pop("seconds", USUAL_S), given.pop("force", False)
     if not SHORTEST_S <= seconds <= LONGEST_S:
         raise SettingError(f"--seconds is {seconds:g}; valid is {SHORTEST_S:g} to {LONGEST_S:g}")
     start = given.pop("start", None)
@@ -81,9 +82,10 @@ def calibrate_drive(given: dict[str, Any]) -> int:
     for line in lines_of(result.calibration):
         say(line)
     profile_before(out, result.spec)
-    write_profile(out, result.profile)
     with atomic_file(page) as new:
         new.write_text(drive_report(result), encoding="utf-8")
+    result.calibration.quality.require_consistent(force=force)
+    write_profile(out, result.profile)
     robot = "" if driven.robot == AUTO else f" --robot {driven.robot}"
     used = f"brickpose run{robot} --profile {out}"
     say(f"the profile is {out}, a report in {page}; use it by: {used}")
@@ -209,7 +211,7 @@ def _adjusted(
 def lines_of(calibration: Calibration) -> list[str]:
     """Return the report, with a line for each unknown."""
     lines = unknown_lines(calibration.values, calibration.sd, calibration.not_learnt)
-    lines.append(f"the edges lie {calibration.residual:.2f} times as far off as expected")
+    lines += calibration.quality.facts
     millimetres = 1.96 * 1e3 * calibration.position_sd
     if not math.isnan(millimetres):
         lines.append(

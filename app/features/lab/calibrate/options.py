@@ -60,7 +60,14 @@ def add_calibrate(command: CommandParser) -> None:
     add_condition(drive)
     add_settings(drive, "serial_port", "camera")
     add_config(drive)
+    _add_force(drive)
     drive.set_defaults(command=_drive)
+
+
+def _add_force(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "--force", action="store_true", help="write a result that contradicts itself, too"
+    )
 
 
 def _add_robot(command: argparse.ArgumentParser, about: str) -> None:
@@ -117,6 +124,7 @@ def _add_lens(kinds: Commands) -> None:
         "--report", type=Path, metavar="FILE.html", help="the report (default: beside the lens)"
     )
     _add_robot(lens, "whose profile it is (default: the program's own robot)")
+    _add_force(lens)
     lens.set_defaults(command=_lens)
 
 
@@ -174,6 +182,7 @@ def _add_mounting(kinds: Commands) -> None:
         help="the picture with the floor's grid (default: beside the profile)",
     )
     _add_robot(mounting, "whose camera it is (default: that of the program's own robot)")
+    _add_force(mounting)
     mounting.set_defaults(command=_mounting)
 
 
