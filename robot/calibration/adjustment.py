@@ -249,7 +249,7 @@ class Adjustment:
         local = np.column_stack([c * dx + s * dy, -s * dx + c * dy])
         error = np.column_stack([local, after[:, 2] - before[:, 2]]) - steps
         error[:, 2] = wrap_angle(error[:, 2])
-        by_wheels = -(by_wheels + self._motion.by_errors(state.values, error))
+        by_wheels = -(by_wheels + self._motion.by_errors(state.values, steps, error))
         # The encoders' noise is of angles: on the floor it grows with the wheels.
         larger = 1 + state.values[[LEFT, RIGHT]].mean()
         sd = STEP_SD * (larger, larger, 1)

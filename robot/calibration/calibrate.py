@@ -21,7 +21,7 @@ from robot.calibration.drive_path import (
 from robot.calibration.position_error import position_sd
 from robot.calibration.start_poses import alike
 from robot.description.spec import RobotSpec
-from robot.description.unknowns import NAMES, PRIORS, ROBOT, ROTATION
+from robot.description.unknowns import NAMES, PRIORS, ROBOT, ROTATION, SHIFT
 from robot.estimation.fit_quality import FitQuality
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2
@@ -85,6 +85,11 @@ class Calibration:
         return position_sd(self.solution.misses, covariance)
 
     @property
+    def camera_y_sd(self) -> float:
+        """Standard deviation of the camera's place across the robot [m], which decides."""
+        return float(self.sd[SHIFT][1])
+
+    @property
     def advice(self) -> tuple[str, ...]:
         """The motions that would determine what is not learnt."""
         names = set(self.not_learnt)
@@ -93,7 +98,7 @@ class Calibration:
     @property
     def not_learnt(self) -> tuple[str, ...]:
         """The unknowns that the drive hardly determined."""
-        return self.quality.unobservable
+        return not_learnt(self.sd)
 
 
 def not_learnt(sd: Array) -> tuple[str, ...]:

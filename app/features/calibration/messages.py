@@ -34,7 +34,7 @@ class FloorGridMessage(Message):
 
 
 class CalibrateCommand(CommandMessage):
-    """Drive to calibrate the robot, for a minute.
+    """Drive to calibrate the robot, until it is known where its camera is; at most two minutes.
 
     It holds as long as drive does, and continues if renewed. At its end the robot is calibrated
     by what it saw; ``stop`` leaves the calibration as it was.

@@ -16,7 +16,7 @@ import { UnknownRow } from "./row.js";
 /** @typedef {import("../../wire/connection.js").Connection} Connection */
 
 const HINT = t(
-  "It drives for a minute, within 0.4 m of where it stands. Tape has to be in sight, and the robot about where the map shows it.",
+  "It drives until it knows where its camera is, for one to two minutes, within 0.4 m of where it stands. Tape has to be in sight, and the robot about where the map shows it.",
 );
 
 /** Calibration by driving: the button, what is known so far, and the way back. */

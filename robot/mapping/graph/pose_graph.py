@@ -13,7 +13,7 @@ import numpy as np
 from scipy.sparse import csc_matrix, csr_matrix
 from scipy.sparse.linalg import SuperLU, splu
 
-from robot.estimation.fit_quality import FitQuality, correlation_of
+from robot.estimation.fit_quality import FitQuality
 from robot.geometry import Array, Pose2, wrap_angle
 from robot.mapping.graph.constraints import TAIL, Constraint, ConstraintArrays
 
@@ -92,15 +92,16 @@ class PoseGraph:
 
     @property
     def quality(self) -> FitQuality:
-        """How well the poses fit what was measured between them."""
+        """How well the poses fit what was measured between them.
+
+        Neighbours are not compared: what a loop corrects is spread over all steps of odometry.
+        """
         if not self.constraints:
             return FitQuality(math.nan)
         parts = ConstraintArrays.of(self.constraints)
         residuals = parts.residuals(self.poses)
-        driven = np.array([constraint.by_odometry for constraint in self.constraints])
         spread = math.sqrt(float(np.median(parts.squares(residuals))) / MEDIAN_OF_SQUARES)
-        alike = correlation_of(residuals[driven].ravel("F"))
-        return FitQuality(spread, self.converged, alike)
+        return FitQuality(spread, self.converged)
 
     def squares(self, constraints: list[Constraint]) -> Array:
         """Return the squared residuals (m,) of constraints, in deviations."""
