@@ -17,29 +17,30 @@ KNOWN_SD = 0.0003
 RAMP_S = 0.3
 """Time in which a part reaches its speed, and in which it ends [s]."""
 
-TURNS = ((5.8, 0.0, 1.15), (5.8, 0.0, -1.15))
 PARTS = (
     (2.0, 0.15, 1.0),
     (2.0, -0.15, -1.0),
-    TURNS[0],
+    (5.8, 0.0, 1.15),
     (2.0, 0.10, 0.0),
     (2.0, -0.10, 0.0),
-    TURNS[1],
+    (5.8, 0.0, -1.15),
     (2.0, 0.15, -1.0),
     (2.0, -0.15, 1.0),
+    (5.8, 0.0, 1.15),
+    (5.8, 0.0, -1.15),
 )
-"""Duration [s], speed [m/s] and turning rate [rad/s] of each part; after them there are only turns.
+"""Duration [s], speed [m/s] and turning rate [rad/s] of each part; they repeat.
 
 What leads away leads back, as nobody knows yet how far a wheel rolls. Turns both ways tell the
 separation of the wheels and the camera's place, straights its yaw, and every start and stop the
-pictures' delay. The first twenty seconds have one of each. The rest are turns, as the least known
-number is ``camera_y``, and they tell it: slip moves what the robot turns about by half of the
-track's share in a turn, and farther in each arc. With turns as a third of the time, as before,
-``camera_y`` was off by 0.78 mm after 20 s and by 0.39 mm after 60 s, with them as two thirds by
-0.41 and 0.27 mm (root mean square of hand-built robots, seeds 900 to 910)."""
+pictures' delay. The first twenty seconds have one of each. Turns are two thirds of the time, as
+they tell ``camera_y``, which is known least: with a third, it was off by 0.78 mm after 20 s and by
+0.39 mm after 60 s, with two thirds by 0.41 and 0.27 mm (root mean square of eleven hand-built
+robots, seeds 900 to 910). With turns alone after 35 s it is known less: wheels of different sizes
+shift what a robot turns about, too, and only straights and arcs tell their sizes apart."""
 
 ENDS = tuple(accumulate(duration for duration, _, _ in PARTS))
-"""When each of these parts ends [s]."""
+"""When each part ends [s]."""
 
 
 def velocity(elapsed: float) -> Twist2:
@@ -58,8 +59,6 @@ def rest_after(elapsed: float) -> float:
 
 def _part(elapsed: float) -> tuple[float, tuple[float, float, float]]:
     """Return when the part of a time began [s], and the part."""
-    if elapsed < ENDS[-1]:
-        place = bisect_right(ENDS, elapsed)
-        return (0.0, *ENDS)[place], PARTS[place]
-    number = math.floor((elapsed - ENDS[-1]) / TURNS[0][0])
-    return ENDS[-1] + number * TURNS[0][0], TURNS[number % 2]
+    cycle = math.floor(elapsed / ENDS[-1]) * ENDS[-1]
+    place = min(bisect_right(ENDS, elapsed - cycle), len(PARTS) - 1)
+    return cycle + (0.0, *ENDS)[place], PARTS[place]
