@@ -28,7 +28,7 @@ def drawing(
     start: Pose2,
     title: str,
     seen: Sequence[Array] = (),
-    told: Sequence[str] = (),
+    statements: Sequence[str] = (),
     fit: str = "",
 ) -> str:
     """Return the text of an SVG, in millimetres.
@@ -39,7 +39,7 @@ def drawing(
         start: where the robot starts, in the map.
         title: for people.
         seen: outlines (n, 2) of the floor that was looked at [m]; all of it if there is none.
-        told: what is said of the map, for people.
+        statements: what is said of the map, for people.
         fit: the same as data, in JSON (``FitQuality.table``).
     """
     points = 1e3 * np.vstack([stroke.points for stroke in tidy.strokes])
@@ -49,7 +49,8 @@ def drawing(
     begin = f"{1e3 * start.x:g} {1e3 * start.y:g} {np.degrees(start.theta):g}"
     shades = tuple(sorted({stroke.light for stroke in tidy.strokes}))
     looked = f' {SEEN}="{"; ".join(map(_outline, seen))}"' if seen else ""
-    about = f"\n  <desc data-fit={quoteattr(fit)}>{escape('; '.join(told))}</desc>" if told else ""
+    words = escape("; ".join(statements))
+    about = f"\n  <desc data-fit={quoteattr(fit)}>{words}</desc>" if statements else ""
     groups = "\n".join(_group(tidy, light, width) for light in shades)
     return f"""\
 <svg xmlns="http://www.w3.org/2000/svg" width="{across:g}mm" height="{down:g}mm" \

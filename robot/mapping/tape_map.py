@@ -210,9 +210,8 @@ class TapeMap:
     def drawing(self, title: str) -> str:
         """Return the map as an SVG, for ``load_field``."""
         seen = self.seen.outlines()
-        told = (*self.facts, *self.remarks)
-        fit = json.dumps(self.quality.table())
-        return drawing(self.tidy, self.measured.width, self.first_pose, title, seen, told, fit)
+        words, fit = (*self.facts, *self.remarks), json.dumps(self.quality.table())
+        return drawing(self.tidy, self.measured.width, self.first_pose, title, seen, words, fit)
 
 
 def steadiness(strokes: Sequence[Stroke]) -> float:

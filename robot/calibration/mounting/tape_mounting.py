@@ -126,8 +126,8 @@ def mounting_by_tape(
         def weighted(shares: Array) -> Array:
             return np.concatenate([errors(shares) / EDGE_SD, shares])
 
-        found = least_squares(weighted, shares, loss="soft_l1", f_scale=10)
-        shares = np.asarray(found.x)
+        fitted = least_squares(weighted, shares, loss="soft_l1", f_scale=10)
+        shares = np.asarray(fitted.x)
     last = errors(shares)
     rms = float(np.sqrt(np.mean(last**2)))
     lost = len(near) < LEAST_SHARE * len(seen.pixels)
@@ -141,7 +141,7 @@ def mounting_by_tape(
     covariance += _of_place(result)
     quality = FitQuality(
         robust_sd(last / EDGE_SD),
-        bool(found.success),
+        bool(fitted.success),
         correlation_of(last),
         overruns(shares, np.ones(6), tuple(UNITS)),
         vague(covariance),
