@@ -53,9 +53,10 @@ class Profile:
     @classmethod
     def of(cls, built: RobotSpec) -> Profile:
         """Return the profile that corrected a description."""
-        if not built.profile:
-            return cls.unmeasured(built.name, "")
-        return profile_of(parse_toml(built.profile, "the profile"))
+        text = built.profile
+        return (
+            profile_of(parse_toml(text, "the profile")) if text else cls.unmeasured(built.name, "")
+        )
 
     def changed(
         self,
