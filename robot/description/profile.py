@@ -53,10 +53,8 @@ class Profile:
     @classmethod
     def of(cls, built: RobotSpec) -> Profile:
         """Return the profile that corrected a description."""
-        text = built.profile
-        return (
-            profile_of(parse_toml(text, "the profile")) if text else cls.unmeasured(built.name, "")
-        )
+        nothing = cls.unmeasured(built.name, "")
+        return profile_of(parse_toml(built.profile, "the profile")) if built.profile else nothing
 
     def changed(
         self,
