@@ -78,9 +78,9 @@ export interface BoardMessage {
 }
 
 /**
- * Drive to calibrate the robot, for a minute. It holds as long as drive does, and continues if
- * renewed. At its end the robot is calibrated by what it saw; ``stop`` leaves the calibration as
- * it was.
+ * Drive to calibrate the robot, until it is known where its camera is; at most two minutes. It
+ * holds as long as drive does, and continues if renewed. At its end the robot is calibrated by
+ * what it saw; ``stop`` leaves the calibration as it was.
  */
 export interface CalibrateCommand {
   /** Repeated in the answer. */
@@ -125,6 +125,10 @@ export interface CalibrationMessage {
   position: number | null;
   /** Motions that would determine what is not known yet. */
   advice: string[];
+  /** How well the last drive fits; empty without one. */
+  facts: string[];
+  /** What is wrong with it, or may be wrong. */
+  remarks: string[];
 }
 
 /** End the journey to a goal: the robot stands where it is. */

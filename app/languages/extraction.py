@@ -49,8 +49,9 @@ SPEAKING = (
     "robot/calibration/model_check.py", "robot/calibration/tracker.py",
     "robot/hat/start/troubles.py", "robot/hat/start/upload.py",
     "robot/localization/estimate.py", "robot/localization/monitoring/causes.py",
-    "robot/mapping/pushed.py", "robot/mapping/tape_map.py", "robot/navigation/line_follower.py",
-    "robot/navigation/lookout.py", "robot/navigation/navigator.py",
+    "robot/estimation/fit_quality.py", "robot/mapping/pushed.py", "robot/mapping/tape_map.py",
+    "robot/navigation/line_follower.py", "robot/navigation/lookout.py",
+    "robot/navigation/navigator.py", "robot/settings.py",
 )  # fmt: skip
 """Modules and folders in which every sentence is a text, but their documentation."""
 LESSONS = "app/features/course/lessons"

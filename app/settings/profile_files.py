@@ -106,15 +106,12 @@ def undo(path: Path) -> Path | None:
     kept, aside = before(path), path.with_name(path.name + ".aside")
     if not path.exists() and not kept.exists():
         raise SettingError(f"{path} does not exist; brickpose calibrate drive makes one")
-    if path.exists():
-        path.replace(aside)
-    if kept.exists():
-        kept.replace(path)
-    if aside.exists():
-        aside.replace(kept)
+    for old, new in ((path, aside), (kept, path), (aside, kept)):
+        if old.exists():
+            old.replace(new)
     return path if path.exists() else None
 
 
 def _made(profile: Profile, source: str) -> Profile:
-    sources = [part for part in profile.source.split("; ") if part and part[:5] != source[:5]]
-    return replace(profile, made=datetime.now(UTC), source="; ".join([*sources, source]))
+    kept = [part for part in profile.source.split("; ") if part and part[:5] != source[:5]]
+    return replace(profile, made=datetime.now(UTC), source="; ".join([*kept, source]))

@@ -29,12 +29,14 @@ from robot.description.unknowns import (
     COUNT,
     DELAY,
     LEFT,
+    NAMES,
     PRIORS,
     RIGHT,
     ROTATION,
     SEPARATION,
 )
 from robot.errors import BrickPoseError
+from robot.estimation.fit_quality import FitQuality, correlation_of, overruns, robust_sd
 from robot.geometry import Array, wrap_angle
 
 STEP_SD = np.array([0.00018, 0.00006, 0.0022])
@@ -50,8 +52,6 @@ SAME_COST = 0.1
 """... or if the cost changes by less: that is a third of a standard deviation of one unknown."""
 TYPICAL_SD = 0.0002
 """Standard deviation of most edges on the floor [m]."""
-MEDIAN_OF_NORMAL = 0.6745
-"""Median of the absolute value of a standard normal number."""
 UNSETTLED = (
     "no robot and no path explain the drive: the robot did not start where it was told, it was "
     "moved by hand, or this is another field"
@@ -249,7 +249,7 @@ class Adjustment:
         local = np.column_stack([c * dx + s * dy, -s * dx + c * dy])
         error = np.column_stack([local, after[:, 2] - before[:, 2]]) - steps
         error[:, 2] = wrap_angle(error[:, 2])
-        by_wheels = -(by_wheels + self._motion.by_errors(state.values, error))
+        by_wheels = -(by_wheels + self._motion.by_errors(state.values, steps, error))
         # The encoders' noise is of angles: on the floor it grows with the wheels.
         larger = 1 + state.values[[LEFT, RIGHT]].mean()
         sd = STEP_SD * (larger, larger, 1)
@@ -282,8 +282,20 @@ def _moved(state: DriveEstimate, step: Array, shared: Array) -> DriveEstimate:
 
 def residual_sd(seen: Misses) -> float:
     """Return the robust standard deviation of the misses, in those that were expected."""
-    return (
-        float(np.median(np.abs(seen.residuals)) / MEDIAN_OF_NORMAL)
-        if len(seen.residuals)
-        else math.nan
-    )
+    return robust_sd(seen.residuals)
+
+
+def quality_of(
+    solution: Solution, prior_sd: Array, unobservable: tuple[str, ...] = ()
+) -> FitQuality:
+    """Return how well a solution fits.
+
+    Args:
+        solution: of a drive.
+        prior_sd: (15,) of the unknowns before it.
+        unobservable: unknowns that the drive does not tell.
+    """
+    seen = solution.misses
+    alike = correlation_of(np.clip(seen.residuals, -CAUCHY, CAUCHY), seen.picture)
+    overrun = overruns(solution.state.values, prior_sd, NAMES)
+    return FitQuality(residual_sd(seen), solution.converged, alike, overrun, unobservable)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from robot.calibration.adjustment import CalibrationError, Solution, Weights, residual_sd
+from robot.calibration.adjustment import CalibrationError, Solution, Weights, quality_of
 from robot.calibration.drive_log import DriveLog
 from robot.calibration.drive_path import (
     BEGINNING_S,
@@ -21,7 +21,8 @@ from robot.calibration.drive_path import (
 from robot.calibration.position_error import position_sd
 from robot.calibration.start_poses import alike
 from robot.description.spec import RobotSpec
-from robot.description.unknowns import PRIORS, ROBOT, ROTATION, UNKNOWNS
+from robot.description.unknowns import NAMES, PRIORS, ROBOT, ROTATION, SHIFT
+from robot.estimation.fit_quality import FitQuality
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2
 
@@ -64,10 +65,15 @@ class Calibration:
     sd: Array = field(repr=False)
     """(15,) their standard deviations; that of the prior if not learnt."""
     solution: Solution = field(repr=False)
-    residual: float
-    """Robust standard deviation of the edges' distances, as a multiple of the expected one."""
-    remarks: tuple[str, ...] = ()
+    quality: FitQuality
+    """How well the drive fits."""
+    doubts: tuple[str, ...] = ()
     """What seems to be wrong with the field or the lens file, as text."""
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What is to be known of the result, as text: contradictions first."""
+        return (*self.quality.remarks, *self.doubts)
 
     @property
     def position_sd(self) -> float:
@@ -79,6 +85,11 @@ class Calibration:
         return position_sd(self.solution.misses, covariance)
 
     @property
+    def camera_y_sd(self) -> float:
+        """Standard deviation of the camera's place across the robot [m], which decides."""
+        return float(self.sd[SHIFT][1])
+
+    @property
     def advice(self) -> tuple[str, ...]:
         """The motions that would determine what is not learnt."""
         names = set(self.not_learnt)
@@ -87,8 +98,13 @@ class Calibration:
     @property
     def not_learnt(self) -> tuple[str, ...]:
         """The unknowns that the drive hardly determined."""
-        unlearnt = self.sd[:ROBOT] > LEARNT * PRIORS[:ROBOT]
-        return tuple(UNKNOWNS[index].name for index in np.flatnonzero(unlearnt))
+        return not_learnt(self.sd)
+
+
+def not_learnt(sd: Array) -> tuple[str, ...]:
+    """Return the unknowns that a drive hardly determined, by their standard deviations (15,)."""
+    unlearnt = sd[:ROBOT] > LEARNT * PRIORS[:ROBOT]
+    return tuple(NAMES[index] for index in np.flatnonzero(unlearnt))
 
 
 def calibrate(
@@ -196,7 +212,9 @@ def _with_unlearnt_left(path: DrivePath, others: Sequence[Pose2]) -> Calibration
             f"the drive fits as well if it began at {' or '.join(map(start_text, others))}; only "
             f"the given start tells that it began at {start_text(path.start)}",
         )
-    return Calibration(values, sd, solution, residual_sd(solution.misses), remarks)
+    quality = quality_of(solution, PRIORS, not_learnt(sd))
+    sd[~unlearnt] *= quality.interval_factor
+    return Calibration(values, sd, solution, quality, remarks)
 
 
 def _turned_by_others(rotation: Array, sd: Array) -> Array:

@@ -86,13 +86,20 @@ class WheelMotion:
             (way_right / (2 * (1 + right)), way_right / (track * (1 + right))),
             (0.0, -turn / (1 + separation)),
         ]
+        # By slip as well: wheels that slip seem to roll farther, and the slip's square would be
+        # taken for radii that are larger by most of a per cent.
+        both = np.hypot(way_left / (1 + left), way_right / (1 + right)) / math.sqrt(2)
+        lost_left, lost_right = np.sign(turns).transpose(2, 0, 1) * both
+        larger = 1 + (left + right) / 2
+        by_slip = [
+            (-larger * lost_left / 2, lost_left / self.separation),
+            (-larger * lost_right / 2, -lost_right / self.separation),
+        ]
         derivatives = np.zeros((*moved.shape, 6))
-        for column, (by_way, by_turn) in enumerate(changes):
+        columns = (BY_LEFT, BY_RIGHT, BY_SEPARATION, *range(BY_SLIP.start, BY_SLIP.stop))
+        for column, (by_way, by_turn) in zip(columns, changes + by_slip, strict=True):
             changed = _arcs(way + SMALL * by_way, turn + SMALL * by_turn)
             derivatives[:, :, column] = (changed - moved) / SMALL
-        for wheel, change in enumerate(SMALL * np.eye(2)):
-            changed = _arcs(*self._rolled(turns, values, slip + change))
-            derivatives[:, :, BY_SLIP.start + wheel] = (changed - moved) / SMALL
         late, soon = (
             _arcs(*self._rolled(self._turns(values[DELAY] + half), values, slip))
             for half in (DELAY_S / 2, -DELAY_S / 2)
@@ -100,7 +107,7 @@ class WheelMotion:
         derivatives[:, :, BY_DELAY] = (late - soon) / DELAY_S
         return moved, derivatives
 
-    def by_errors(self, values: Array, errors: Array) -> Array:
+    def by_errors(self, values: Array, steps: Array, errors: Array) -> Array:
         """Return what the derivatives of steps lack, as the encoders measured with errors.
 
         Derivatives are taken at how the robot moved, not at how the wheels seemed to: else the
@@ -108,6 +115,7 @@ class WheelMotion:
 
         Args:
             values: (15,) differences from the description.
+            steps: (k - 1, 3) by the wheels [m, m, rad].
             errors: (k - 1, 3) of the steps, true less measured [m, m, rad].
 
         Returns:
@@ -122,6 +130,14 @@ class WheelMotion:
         result[:, 0, BY_LEFT], result[:, 2, BY_LEFT] = by_left / 2, -by_left / track
         result[:, 0, BY_RIGHT], result[:, 2, BY_RIGHT] = by_right / 2, by_right / track
         result[:, 2, BY_SEPARATION] = -turn / (1 + separation)
+        around = steps[:, 2] * track / 2
+        rolled = (steps[:, 0] - around) / (1 + left), (steps[:, 0] + around) / (1 + right)
+        both = np.maximum(np.hypot(*rolled) / math.sqrt(2), SMALL)
+        more = (rolled[0] * by_left + rolled[1] * by_right) / (2 * both)
+        for wheel, side in enumerate((1, -1)):
+            lost = np.sign(rolled[wheel]) * more
+            result[:, 0, BY_SLIP.start + wheel] = -(1 + (left + right) / 2) * lost / 2
+            result[:, 2, BY_SLIP.start + wheel] = side * lost / self.separation
         return result
 
     def twists(self, values: Array, slip: Array | None = None) -> Array:

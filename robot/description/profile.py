@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
@@ -12,7 +13,7 @@ import numpy as np
 
 from robot.description.lens_table import MeasuredLens, lens_of_table, table_lines
 from robot.description.spec import RobotSpec
-from robot.description.unknowns import NAMES, PRIORS, ROBOT, UNKNOWNS, Differences
+from robot.description.unknowns import NAMES, PRIORS, ROBOT, UNKNOWNS, Differences, with_named
 from robot.description.urdf import SpecError
 from robot.geometry import Array
 from robot.settings import SettingError, as_float, number_text
@@ -41,6 +42,8 @@ class Profile:
     """(11,) their standard deviations."""
     lens: MeasuredLens | None = None
     """The lens, if it was measured; the focal length's difference is one from it."""
+    fit: Mapping[str, Any] = field(default_factory=dict, repr=False)
+    """How well what was measured last fits (``FitQuality.table``)."""
 
     @classmethod
     def unmeasured(cls, robot: str, source: str) -> Profile:
@@ -50,9 +53,8 @@ class Profile:
     @classmethod
     def of(cls, built: RobotSpec) -> Profile:
         """Return the profile that corrected a description."""
-        if not built.profile:
-            return cls.unmeasured(built.name, "")
-        return profile_of(parse_toml(built.profile, "the profile"))
+        nothing = cls.unmeasured(built.name, "")
+        return profile_of(parse_toml(built.profile, "the profile")) if built.profile else nothing
 
     def changed(
         self,
@@ -65,12 +67,9 @@ class Profile:
 
         What has no standard deviation gets that of a robot built by hand.
         """
-        changed, changed_sd = self.values.copy(), self.sd.copy()
-        for name, value in values.items():
-            place = NAMES.index(name)
-            changed[place], changed_sd[place] = value, sd.get(name, PRIORS[place])
-        made = made or self.made
-        return replace(self, made=made, source=source, values=changed, sd=changed_sd)
+        every_sd = {name: sd.get(name, PRIORS[NAMES.index(name)]) for name in values}
+        new, new_sd = with_named(self.values, values), with_named(self.sd, every_sd)
+        return replace(self, made=made or self.made, source=source, values=new, sd=new_sd)
 
     def applied_to(self, spec: RobotSpec) -> RobotSpec:
         """Return the description of the built robot.
@@ -81,12 +80,11 @@ class Profile:
         if spec.name != self.robot:
             raise SpecError(f"the profile is of the robot {self.robot!r}, not of {spec.name!r}")
         built = Differences(self.values).applied_to(self.with_lens(spec))
-        source = self.source or "nobody knows from what"
-        measured = "" if self.made == NEVER else f"{self.made:%Y-%m-%d}, {source}"
-        text = self.to_toml()
-        sd = None if self.made == NEVER else self.sd
-        drawing = spec.as_drawn  # with its own lens
-        return replace(built, measured=measured, profile=text, measured_sd=sd, drawing=drawing)
+        built = replace(built, profile=self.to_toml(), drawing=spec.as_drawn)  # with its own lens
+        if self.made == NEVER:
+            return replace(built, measured="", measured_sd=None)
+        measured = f"{self.made:%Y-%m-%d}, {self.source or 'nobody knows from what'}"
+        return replace(built, measured=measured, measured_sd=self.sd)
 
     def with_lens(self, spec: RobotSpec) -> RobotSpec:
         """Return a description with the profile's lens, if it has one, and else as it is.
@@ -111,8 +109,8 @@ class Profile:
                 f"value = {float(value)!r}  # {SOLVER_UNITS[unknown.unit]}",
                 f"sd = {float(sd)!r}",
             ]
-        if self.lens is not None:
-            lines += table_lines(self.lens)
+        lines += ["", "[fit]", *(f"{k} = {json.dumps(v)}" for k, v in self.fit.items())]
+        lines += table_lines(self.lens) if self.lens else []
         return "\n".join(lines) + "\n"
 
 
@@ -137,9 +135,9 @@ def profile_of(content: dict[str, Any]) -> Profile:
         SpecError: a value is missing, unknown or impossible; names it and what is valid.
     """
     for name in content:
-        if name not in ("robot", "made", "source", "lens", *NAMES[:ROBOT]):
+        if name not in ("robot", "made", "source", "lens", "fit", *NAMES[:ROBOT]):
             raise SpecError(f"there is no {name}; valid are {', '.join(NAMES[:ROBOT])}, lens")
-    robot, made = content.get("robot"), content.get("made")
+    robot, made, fit = content.get("robot"), content.get("made"), content.get("fit", {})
     if not isinstance(robot, str):
         raise SpecError("robot is missing: the name of the robot, a text")
     if not isinstance(made, datetime):
@@ -153,7 +151,7 @@ def profile_of(content: dict[str, Any]) -> Profile:
         values[place] = _number(table, name, "value", -most, most)
         sd[place] = _number(table, name, "sd", 0.0, most)
     lens = lens_of_table(content["lens"]) if "lens" in content else None
-    return Profile(robot, made, str(content.get("source", "")), values, sd, lens)
+    return Profile(robot, made, str(content.get("source", "")), values, sd, lens, fit)
 
 
 def check_values(values: Mapping[str, float], sd: Mapping[str, float]) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from xml.sax.saxutils import escape
+from xml.sax.saxutils import escape, quoteattr
 
 import numpy as np
 
@@ -23,7 +23,13 @@ tape only if it differs that much from the floor (``drawn_tape``)."""
 
 
 def drawing(
-    tidy: TidyStrokes, width: float, start: Pose2, title: str, seen: Sequence[Array] = ()
+    tidy: TidyStrokes,
+    width: float,
+    start: Pose2,
+    title: str,
+    seen: Sequence[Array] = (),
+    statements: Sequence[str] = (),
+    fit: str = "",
 ) -> str:
     """Return the text of an SVG, in millimetres.
 
@@ -33,6 +39,8 @@ def drawing(
         start: where the robot starts, in the map.
         title: for people.
         seen: outlines (n, 2) of the floor that was looked at [m]; all of it if there is none.
+        statements: what is said of the map, for people.
+        fit: the same as data, in JSON (``FitQuality.table``).
     """
     points = 1e3 * np.vstack([stroke.points for stroke in tidy.strokes])
     low, high = np.floor(points.min(axis=0)) - MARGIN_MM, np.ceil(points.max(axis=0)) + MARGIN_MM
@@ -41,12 +49,14 @@ def drawing(
     begin = f"{1e3 * start.x:g} {1e3 * start.y:g} {np.degrees(start.theta):g}"
     shades = tuple(sorted({stroke.light for stroke in tidy.strokes}))
     looked = f' {SEEN}="{"; ".join(map(_outline, seen))}"' if seen else ""
+    words = escape("; ".join(statements))
+    about = f"\n  <desc data-fit={quoteattr(fit)}>{words}</desc>" if statements else ""
     groups = "\n".join(_group(tidy, light, width) for light in shades)
     return f"""\
 <svg xmlns="http://www.w3.org/2000/svg" width="{across:g}mm" height="{down:g}mm" \
 viewBox="{left:g} {top:g} {across:g} {down:g}" data-start="{begin}" \
 data-tape="{1e3 * width:g}"{looked}>
-  <title>{escape(title)}</title>
+  <title>{escape(title)}</title>{about}
   <rect x="{left:g}" y="{top:g}" width="{across:g}" height="{down:g}" fill="{FLOORS[shades]}"/>
   <!-- Inside, y points up as it does in the map. -->
 {groups}

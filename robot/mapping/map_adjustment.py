@@ -13,12 +13,12 @@ from dataclasses import fields, replace
 
 import numpy as np
 
-from robot.calibration.adjustment import Adjustment, DriveEstimate, Solution, Weights, residual_sd
+from robot.calibration.adjustment import Adjustment, DriveEstimate, Solution, Weights, quality_of
 from robot.calibration.misses import Misses, misses
 from robot.calibration.normal_equations import Equations
 from robot.calibration.sightings import Sightings
 from robot.calibration.wheel_motion import WheelMotion
-from robot.description.unknowns import COUNT
+from robot.description.unknowns import COUNT, PRIORS
 from robot.geometry import Array, Pose2, wrap_angle
 from robot.mapping.strokes import Strokes
 
@@ -131,7 +131,8 @@ def node_sd(strokes: Strokes, solution: Solution) -> Array:
 
     The covariance of the adjustment, by the variance factor of what was seen.
     """
-    factor = max(LEAST_FACTOR, residual_sd(solution.misses))
+    quality = quality_of(solution, PRIORS)
+    factor = quality.interval_factor * min(1.0, max(LEAST_FACTOR, quality.residual))
     variances = factor**2 * np.diag(solution.covariance)[COUNT:]
     curved = np.repeat(
         [stroke.curved for stroke in strokes.traced],

@@ -14,7 +14,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from robot.calibration.adjustment import DriveEstimate, Solution, Weights
+from robot.calibration.adjustment import DriveEstimate, Solution, Weights, quality_of
+from robot.calibration.calibrate import not_learnt
 from robot.calibration.drive_log import DriveLog
 from robot.calibration.sightings import Sightings
 from robot.calibration.tracking import LEAST_GATE, laid, predicted
@@ -23,12 +24,12 @@ from robot.description.spec import RobotSpec
 from robot.description.unknowns import (
     COUNT,
     LEFT,
-    NAMES,
     PRIORS,
     RIGHT,
     SEPARATION,
     TAPE,
 )
+from robot.estimation.fit_quality import FitQuality
 from robot.geometry import Array, Pose2
 from robot.mapping.bends import at_corners, cut_at_corners
 from robot.mapping.crossings import BareFloor, is_tape
@@ -62,9 +63,6 @@ RULER_SD, HELD_SD = 1e-4, 1e-6
 """Standard deviation of the tape's width where it is the only ruler [m]. While a map is adjusted
 the width is held, by the second: thousands of edges that lie a little beside rough strokes would
 stretch the ruler, and the whole map with it. The map is as uncertain as the first makes it."""
-MOST_PRIOR_SD = 3.0
-"""An unknown that is farther from its description is not believed, by its prior's spread: with a
-wrong scale the tape's width was off by 6 to 65 of them, in right maps by at most 0.3."""
 MOST_GATE = 0.12
 """Edges farther from known ones than this are new [m]; than ``LEAST_GATE``, if the pose is exactly
 known."""
@@ -176,9 +174,11 @@ class Mapper:
             self._strokes = whole
             self._refined(self._adjust(total, WHOLE[-1:]))
         solution = self._adjust(total, LAST, START_SD)
-        overrun: dict[str, float] = {}
+        # The camera is held as described, which nobody has measured.
+        measured = np.where(self._sd == KNOWN_SD * PRIORS, PRIORS, self._sd)
+        quality = quality_of(solution, measured)
         if self._calibrate:
-            solution, overrun = self._by_ruler(solution)
+            solution, quality = self._by_ruler(solution)
         rays = RaysOnFloor.of(log, self._spec, self._state)
         tidy = tidied(without_gaps(self._strokes, rays), rays)
         more = find_lengthwise(tidy.strokes, self._width, rays)
@@ -195,14 +195,13 @@ class Mapper:
             BareFloor.of(tidy.strokes, self._width, rays),
             SeenFloor.of(rays),
             rays,
-            overrun,
+            quality,
         )
 
-    def _by_ruler(self, solution: Solution) -> tuple[Solution, dict[str, float]]:
-        """Return a solution as uncertain as its ruler is, and which unknowns cannot be so.
+    def _by_ruler(self, solution: Solution) -> tuple[Solution, FitQuality]:
+        """Return a solution as uncertain as its ruler is, and how well it fits.
 
-        Those are unknowns that are farther from their description than any robot is, by how many
-        standard deviations: of the tape's width, where the edges would have it if it were not held.
+        The tape's width counts there as the edges would have it if it were not held.
         """
         sd = self._sd.copy()
         sd[TAPE] = RULER_SD
@@ -212,9 +211,10 @@ class Mapper:
         free = adjustment.solve(state, weights, LAST[-1].most, solution.misses.pixels)
         values = solution.state.values.copy()
         values[TAPE] = free.state.values[TAPE]
-        ratios = dict(zip(NAMES, (values / sd).tolist(), strict=True))
-        overrun = {name: ratio for name, ratio in ratios.items() if abs(ratio) > MOST_PRIOR_SD}
-        return replace(solution, covariance=free.covariance), overrun
+        ended = replace(solution, state=replace(solution.state, values=values))
+        unlearnt = not_learnt(np.sqrt(np.diag(free.covariance)[:COUNT]))
+        quality = quality_of(ended, sd, unlearnt)
+        return replace(solution, covariance=free.covariance), quality
 
     def _refined(self, solution: Solution) -> Solution:
         """Give the strokes the nodes that they need, cut them at corners, and adjust again."""

@@ -24,8 +24,13 @@ def moved_at(step_errors: Array, slip: Array, stamps: Array) -> float | None:
     return float(stamps[1 + np.argmax(jumps)] - stamps[0]) if jumps.any() else None
 
 
-def push_remark(seconds: float) -> str:
-    """Return the remark on a push after a time [s]."""
+def push_remark(seconds: float, *, is_noise: bool) -> str:
+    """Return the remark on a push after a time [s]; of none, if what is left over is no noise."""
+    if not is_noise:
+        return (
+            f"after {seconds:.0f} s the robot moved otherwise than its wheels tell: it is not as "
+            "described, so calibrate it first, or it was pushed; the map may be bent"
+        )
     return (
         f"after {seconds:.0f} s the robot moved otherwise than its wheels tell: it was pushed, or "
         "it slipped; the map may be bent"

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+import json
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 
-from robot.calibration.adjustment import Solution, residual_sd
+from robot.calibration.adjustment import Solution
 from robot.errors import BrickPoseError
+from robot.estimation.fit_quality import FitQuality
 from robot.fields.occupancy_grid import OccupancyGrid
 from robot.geometry import Array, Pose2
 from robot.mapping.agreement import Agreement
@@ -24,8 +26,6 @@ from robot.mapping.tidying import TidyStrokes
 
 LEAST_SHARE = 0.7
 """A map fits if this share of the edges that were seen lies on its strokes."""
-MOST_RESIDUAL = 2.5
-"""... and if their distances from it are at most this multiple of the expected ones."""
 UNSURE = 0.01
 """Remarks name tape whose place is less certain than this [m]."""
 LEAST_STEADINESS = 0.01
@@ -60,10 +60,8 @@ class TapeMap:
     """Where the camera has looked."""
     rays: RaysOnFloor = field(repr=False)
     """All rays of the drive."""
-    overrun: Mapping[str, float] = field(default_factory=dict)
-    """Unknowns of a robot that was calibrated along with the map, by name, which the drive has at
-    values that no robot built by hand has, as multiples of the standard deviations of such."""
-
+    quality: FitQuality
+    """How well the drive fits, and a robot that was calibrated along with the map."""
     drawn: TidyStrokes | None = None
     """The tape as it was drawn, if people have changed it since."""
 
@@ -107,24 +105,15 @@ class TapeMap:
         return Pose2.from_array(self.solution.state.poses[0])
 
     @property
-    def residual(self) -> float:
-        """Distance of the edges from the strokes, as a multiple of the expected distance."""
-        return residual_sd(self.solution.misses)
-
-    @property
     def moved_at(self) -> float | None:
         """When the robot first moved otherwise than by its wheels [s]; None if it never did."""
         return moved_at(self.step_errors, self.solution.state.slip, self.stamps)
 
     @property
-    def _edges_lie_on_it(self) -> bool:
-        return self.share >= LEAST_SHARE and self.residual <= MOST_RESIDUAL
-
-    @property
     def fits(self) -> bool:
         """Whether the map explains what was seen."""
-        whole = self.moved_at is None and not self.bare.contradicts and not self.overrun
-        return self._edges_lie_on_it and whole and self.solution.converged
+        whole = self.moved_at is None and not self.bare.contradicts
+        return self.share >= LEAST_SHARE and whole and not self.quality.contradictions
 
     @property
     def unseen_ends(self) -> Array:
@@ -142,17 +131,15 @@ class TapeMap:
         count, corners = len(self.tidy.strokes), len(self.tidy.corners)
         share = 100 * self.share
         median, largest = 1.96e3 * np.median(self.node_sd), 1.96e3 * self.node_sd.max()
-        fit = (
-            f"{share:.0f} % of the edges that were seen lie on it, {self.residual:.2f} times as "
-            "far off as expected"
-        )
+        fit = f"{share:.0f} % of the edges that were seen lie on it"
         if self.drawn is not None:
-            fit = f"{share:.0f} % of the edges that were seen lie on it, as it was changed by hand"
+            fit += ", as it was changed by hand"
         return (
             f"{count} strokes of tape, {self.length:.2f} m, with {corners} corners",
             fit,
             f"its tape is uncertain by {median:.1f} mm (95 %, median), and by {largest:.1f} mm at "
             "most",
+            *(() if self.drawn is not None else self.quality.facts),
         )
 
     @property
@@ -176,7 +163,7 @@ class TapeMap:
                 "more, and back to where the map began"
             )
         if self.moved_at is not None:
-            remarks.append(push_remark(self.moved_at))
+            remarks.append(push_remark(self.moved_at, is_noise=self.quality.is_noise))
         unseen = len(self.unseen_ends)
         if unseen:
             remarks.append(
@@ -210,22 +197,10 @@ class TapeMap:
     @property
     def _doubts(self) -> Iterator[str]:
         """Yield what the adjustment says against itself."""
-        if not self._edges_lie_on_it:
-            yield (
-                f"the map does not fit: {100 * self.share:.0f} % of the edges that were "
-                f"seen lie on it, {self.residual:.1f} times as far off as expected"
-            )
-        if not self.solution.converged:
-            yield (
-                "the adjustment did not come to an end, so the map is less certain than it says: "
-                "drive past the tape once more, from other sides"
-            )
-        if self.overrun:
-            much = ", ".join(f"{name} {times:+.0f}" for name, times in self.overrun.items())
-            yield (
-                "its scale may be wrong: the robot that was measured along with it cannot be built "
-                f"so ({much} times what is usual); calibrate the robot on a known field first"
-            )
+        if self.share < LEAST_SHARE:
+            share = 100 * self.share
+            yield f"the map does not fit: {share:.0f} % of the edges that were seen lie on it"
+        yield from self.quality.remarks
 
     def cells(self, side: float) -> OccupancyGrid:
         """Return the map in cells with a side [m]; floor that no picture showed is unknown."""
@@ -235,7 +210,8 @@ class TapeMap:
     def drawing(self, title: str) -> str:
         """Return the map as an SVG, for ``load_field``."""
         seen = self.seen.outlines()
-        return drawing(self.tidy, self.measured.width, self.first_pose, title, seen)
+        words, fit = (*self.facts, *self.remarks), json.dumps(self.quality.table())
+        return drawing(self.tidy, self.measured.width, self.first_pose, title, seen, words, fit)
 
 
 def steadiness(strokes: Sequence[Stroke]) -> float:

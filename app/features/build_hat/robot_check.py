@@ -16,6 +16,7 @@ from robot.cameras.settings import CameraSourceSettings
 from robot.description.profile import load_profile
 from robot.description.spec import RobotSpec
 from robot.description.urdf import SpecError
+from robot.estimation.fit_quality import FitQuality
 
 START_S = 8.0
 """How long the first picture may take [s]: a search for a camera opens one after another."""
@@ -107,6 +108,9 @@ def check_profile(path: Path | None, spec: RobotSpec, today: datetime | None = N
         return problem(f"The profile cannot be used: {error}", "run brickpose calibrate drive")
     days = ((today or datetime.now(UTC)) - profile.made.astimezone(UTC)).days
     words = f"profile of {profile.made:%Y-%m-%d}, by {profile.source or 'nobody knows what'}"
+    doubts = FitQuality.of_table(profile.fit).remarks
+    if doubts:
+        return warning(f"The {words}: {'; '.join(doubts)}", "run brickpose calibrate drive")
     if days > OLD_DAYS:
         return warning(f"The {words}, is {days} days old", "run brickpose calibrate drive")
     if days < -1:

@@ -13,13 +13,13 @@ from app.features.calibration.messages import (
     FinishCalibrationCommand,
     UndoCalibrationCommand,
 )
-from robot.calibration.programme import USUAL_S, velocity
+from robot.calibration.programme import LONGEST_S, velocity
 from robot.errors import CommandError
 
 if TYPE_CHECKING:
     from app.features.calibration.drive_calibrator import DriveCalibrator
 
-DRIVE = Programme("calibrate", velocity, USUAL_S)
+DRIVE = Programme("calibrate", velocity, LONGEST_S)
 CALIBRATOR: Part[DriveCalibrator] = Part("calibrator")
 
 

@@ -27,7 +27,7 @@ from app.settings.profile_files import undo, write_calibration
 from app.worker_process import WorkerProcess
 from robot.calibration.adjustment import CalibrationError
 from robot.calibration.calibrate import Calibration
-from robot.calibration.programme import USUAL_S
+from robot.calibration.programme import KNOWN_SD, LONGEST_S
 from robot.description.profile import Profile
 from robot.description.unknowns import ROBOT
 from robot.description.urdf import SpecError
@@ -180,11 +180,11 @@ class DriveCalibrator:
             if waiting is not None and waiting.done():
                 self._show_result(waiting)
                 waiting = None
-            if waiting is None and due <= drive.seconds < USUAL_S - STEP_S:
+            if waiting is None and due <= drive.seconds < LONGEST_S - STEP_S:
                 waiting, due = drive.adjusted(), drive.seconds + STEP_S
         driven = drive.seconds
         self._show(ended=drive.began + driven)
-        if driven < USUAL_S - LAST_S and not self._finish.is_set():
+        if driven < LONGEST_S - LAST_S and not self._finish.is_set():
             raise CalibrationError(f"the drive was stopped after {driven:.0f} s")
         for snapshot in ticks:
             drive.add(snapshot)
@@ -202,6 +202,9 @@ class DriveCalibrator:
             self._show(words=str(error))
         else:
             self._show(calibration=calibration, adjusted=self._drive.adjusted + 1, words=None)
+            if calibration.camera_y_sd <= KNOWN_SD and not self._finish.is_set():
+                self._finish.set()
+                self._program.engine.commands.put(StopCommand(type="stop"))
 
     def _keep(self, drive: CollectedDrive, calibration: Calibration) -> None:
         """Make a calibration hold, and write a real robot's profile."""
@@ -211,7 +214,9 @@ class DriveCalibrator:
         source = phrase(f"{driven:.0f} s of driving on {program.field.name}")
         values, sd = calibration.values[:ROBOT], calibration.sd[:ROBOT]
         earlier = Profile.of(newest.spec)
-        profile = Profile(drive.spec.name, self._clock(), source, values, sd, earlier.lens)
+        calibration.quality.require_consistent()
+        fit = calibration.quality.table()
+        profile = Profile(drive.spec.name, self._clock(), source, values, sd, earlier.lens, fit)
         program.engine.commands.put(calibration_command(profile))
         program.engine.commands.put(drive.pose_command(calibration, newest))
         self._present_before = profile, earlier

@@ -34,7 +34,7 @@ class FloorGridMessage(Message):
 
 
 class CalibrateCommand(CommandMessage):
-    """Drive to calibrate the robot, for a minute.
+    """Drive to calibrate the robot, until it is known where its camera is; at most two minutes.
 
     It holds as long as drive does, and continues if renewed. At its end the robot is calibrated
     by what it saw; ``stop`` leaves the calibration as it was.
@@ -84,6 +84,10 @@ class CalibrationMessage(Message):
     """By how much these errors may shift the estimated place, in 95 % [m]; null without a drive."""
     advice: list[str]
     """Motions that would determine what is not known yet."""
+    facts: list[str]
+    """How well the last drive fits; empty without one."""
+    remarks: list[str]
+    """What is wrong with it, or may be wrong."""
 
 
 MESSAGES = (CalibrationMessage, FloorGridMessage)

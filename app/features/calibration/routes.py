@@ -12,7 +12,7 @@ from app.features.calibration.messages import CalibrationMessage, UnknownMessage
 from app.messages.answers import content, refusal
 from app.messages.telemetry import CalibrationDriveMessage
 from robot.calibration.calibrate import LEARNT, Calibration
-from robot.calibration.programme import USUAL_S
+from robot.calibration.programme import LONGEST_S
 from robot.description.profile import Profile
 from robot.description.spec import RobotSpec
 from robot.description.unknowns import ROBOT, UNKNOWNS
@@ -29,7 +29,7 @@ def drive_message(drive: CalibrationDrive | None, stamp: float) -> CalibrationDr
     return CalibrationDriveMessage(
         state=drive.state,
         seconds=drive.seconds(stamp),
-        whole=USUAL_S,
+        whole=LONGEST_S,
         fewest=FEWEST_S,
         adjusted=drive.adjusted,
         message=drive.words,
@@ -78,6 +78,8 @@ def calibration_message(spec: RobotSpec, calibrator: DriveCalibrator) -> Calibra
         unknowns=_unknowns(values[:ROBOT], sd[:ROBOT]),
         position=None if result is None else _position(result),
         advice=[] if result is None else list(result.advice),
+        facts=[] if result is None else list(result.quality.facts),
+        remarks=[] if result is None else list(result.remarks),
     )
 
 

@@ -128,7 +128,7 @@ class DrawingWork:
         """Return what is wrong with the current map; None if nothing is wrong."""
         sketch = None if self._shown.now is None else self._shown.now.sketch
         if sketch is not None and sketch.moved_at is not None:
-            return push_remark(sketch.moved_at)
+            return push_remark(sketch.moved_at, is_noise=True)
         if self._end_of_exploring is not None:
             return self._end_of_exploring
         unseen = drive.began + drive.seconds - drive.seen

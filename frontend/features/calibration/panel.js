@@ -16,7 +16,7 @@ import { UnknownRow } from "./row.js";
 /** @typedef {import("../../wire/connection.js").Connection} Connection */
 
 const HINT = t(
-  "It drives for a minute, within 0.4 m of where it stands. Tape has to be in sight, and the robot about where the map shows it.",
+  "It drives until it knows where its camera is, for one to two minutes, within 0.4 m of where it stands. Tape has to be in sight, and the robot about where the map shows it.",
 );
 
 /** Calibration by driving: the button, what is known so far, and the way back. */
@@ -116,7 +116,7 @@ export class CalibrationPanel {
   }
 
   /** @param {CalibrationMessage} known */
-  #write({ unknowns, position, advice, measured }) {
+  #write({ unknowns, position, advice, facts, remarks, measured }) {
     if (this.#rows.length !== unknowns.length) {
       this.#rows = unknowns.map((unknown) => new UnknownRow(unknown));
       this.#list.replaceChildren(...this.#rows.map((row) => row.element));
@@ -125,6 +125,7 @@ export class CalibrationPanel {
     this.#profile.hidden = measured === "";
     const lines = position === null ? [] : [t("Together: the place is known to ± {size}.", { size: millimetres(position, 1) })];
     if (advice.length > 0) lines.push(t("To learn more: {advice}.", { advice: advice.map(translated).join("; ") }));
+    lines.push(...[...facts, ...remarks].map((words) => sentence(translated(words))));
     this.#meaning.hidden = lines.length === 0;
     this.#meaning.replaceChildren(...lines.map((line) => make("span", {}, line)));
   }

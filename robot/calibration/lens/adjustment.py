@@ -7,7 +7,7 @@ differentiates. Each picture's pose is tied to the lens only, so poses are elimi
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import cv2
 import numpy as np
@@ -39,6 +39,8 @@ class LensFit:
     """(n, 2) of each picture: how far the seen corners lie from the projected ones [px]."""
     covariance: Array = field(repr=False)
     """(p, p) of fx, fy, cx, cy and the coefficients, by the corners' scatter."""
+    converged: bool = True
+    """Whether a further step would change nothing."""
 
     @property
     def rms(self) -> float:
@@ -88,7 +90,7 @@ def fit_lens(start: Lens, seen: Sequence[Sighting], board: Board) -> LensFit:
     focal, centre = start.matrix[[0, 1], [0, 1]], start.matrix[:2, 2]
     values = np.concatenate([focal, centre, start.distortion])
     prior = np.concatenate([np.zeros(4), np.full(len(start.distortion), COEFFICIENT_SD**-2.0)])
-    damping, total = 1e-3, np.inf
+    damping, total, converged = 1e-3, np.inf, False
     parts = _linearized(start.model, values, poses, seen, board)
     for _ in range(ROUNDS):
         total = _cost(parts) + float(prior @ values**2)
@@ -98,13 +100,16 @@ def fit_lens(start: Lens, seen: Sequence[Sighting], board: Board) -> LensFit:
         if not cost < total:
             damping *= 10
             if damping > 1e8:
+                # No step however small leads lower.
+                converged = True
                 break
             continue
         values, poses, parts = values + step, poses + turns, trial
         damping = max(damping / 10, 1e-12)
         if total - cost < SETTLED * total:
+            converged = True
             break
-    return _result(start, values, poses, parts, prior)
+    return replace(_result(start, values, poses, parts, prior), converged=converged)
 
 
 def board_pose(lens: Lens, sighting: Sighting, board: Board) -> Array:

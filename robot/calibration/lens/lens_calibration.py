@@ -14,6 +14,7 @@ from itertools import combinations, product
 import numpy as np
 
 from robot.calibration.lens.adjustment import (
+    COEFFICIENT_SD,
     LensFit,
     board_pose,
     first_fit,
@@ -22,9 +23,11 @@ from robot.calibration.lens.adjustment import (
     rms_of,
 )
 from robot.calibration.lens.board import Board
+from robot.calibration.lens.coverage import bare_corners
 from robot.calibration.lens.sighting import Sighting
 from robot.camera import CameraError, Lens
 from robot.errors import BrickPoseError
+from robot.estimation.fit_quality import FitQuality, correlation_of, overruns
 from robot.geometry import Array
 
 MODELS = ("plumb_bob", "equidistant", "rational_polynomial")
@@ -95,6 +98,23 @@ class LensCalibration:
     def lens(self) -> Lens:
         """The lens."""
         return self.chosen.fit.lens
+
+    @property
+    def sd(self) -> Array:
+        """(p,) standard deviations of fx, fy, cx, cy and the coefficients."""
+        return self.quality.interval_factor * self.chosen.fit.sd
+
+    @property
+    def quality(self) -> FitQuality:
+        """How well the lens fits: what is expected is what it leaves in its own pictures."""
+        fit = self.chosen.fit
+        coefficients = tuple(fit.lens.parameters)[4:]
+        most = np.full(len(coefficients), COEFFICIENT_SD)
+        overrun = overruns(fit.lens.distortion, most, coefficients)
+        bare = tuple(bare_corners(list(self.seen.values())))
+        own = max(fit.rms, EXACT_PX)
+        alike = correlation_of(np.concatenate([errors.ravel("F") for errors in fit.errors]))
+        return FitQuality(self.chosen.rms / own, fit.converged, alike, overrun, bare)
 
 
 def calibrate_lens(

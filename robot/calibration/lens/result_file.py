@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 
 from robot.calibration.lens.board import Board
@@ -18,6 +19,8 @@ def camera_info_of(result: LensCalibration, board: Board, readout: float) -> str
         f"Calibrated by BrickPose from {len(result.seen)} pictures of a {board.words};\n"
         f"held-out corners lie {result.chosen.rms:.3f} px off (root mean square)."
     )
+    title += "".join(f"\nThe adjustment: {words}." for words in result.quality.facts)
+    title += f"\nfit: {json.dumps(result.quality.table())}"
     if readout:
         title += "\nThe readout was not measured: it is that of the robot's description."
-    return camera_info(replace(result.lens, readout=readout), result.chosen.fit.sd, title)
+    return camera_info(replace(result.lens, readout=readout), result.sd, title)

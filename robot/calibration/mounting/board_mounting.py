@@ -18,8 +18,10 @@ from robot.calibration.mounting.mounting import (
     MountingError,
     derivatives,
     step_between,
+    vague,
 )
 from robot.camera import FloorView, Lens
+from robot.estimation.fit_quality import FitQuality, correlation_of, robust_sd
 from robot.geometry import Array, Pose2
 from robot.interface import Frame
 from robot.scanning.line_scanner import LineScanner, LineScannerSettings
@@ -91,7 +93,12 @@ def mounting_by_board(
     by_place = derivatives(lambda placement: change(fit.pose, placement), laid)
     covariance = by_pose @ (variance * np.linalg.inv(fit.information)) @ by_pose.T
     covariance += by_place @ np.diag(PLACED_SD**2) @ by_place.T
-    return Mounting(start, covariance, fit.errors.ravel())
+    quality = FitQuality(
+        robust_sd(fit.errors) / math.sqrt(variance),
+        correlation=correlation_of(fit.errors.ravel("F")),
+        unobservable=vague(covariance),
+    )
+    return Mounting(start, covariance, fit.errors.ravel(), quality)
 
 
 def check_scale(

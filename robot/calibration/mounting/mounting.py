@@ -11,7 +11,9 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from robot.camera import Lens
+from robot.description.unknowns import PRIORS, ROTATION, SHIFT
 from robot.errors import BrickPoseError
+from robot.estimation.fit_quality import FitQuality
 from robot.geometry import Array
 
 BODY_FROM_OPTICAL = Rotation.from_euler("xyz", (-math.pi / 2, 0, -math.pi / 2)).as_matrix()
@@ -26,6 +28,8 @@ UNITS = {
     "height": ("mm", 1e3),
 }
 """What people read of a mounting: the unit, and how many of it are a radian or a metre."""
+VAGUE = 0.5
+"""What is known less than this share of what is known of a robot built by hand is not told."""
 SMALL = (0.002, 0.5, 0.5)
 """Changes of the lens for derivatives: of the focal length by itself, of its centre [px]."""
 
@@ -44,6 +48,8 @@ class Mounting:
     """(6, 6) of a rotation vector about the robot's axes [rad], and of the place [m]."""
     errors: Array = field(repr=False)
     """(n,) how far corners or edges lie off in the picture [px]."""
+    quality: FitQuality
+    """How well the mounting fits."""
 
     @property
     def rms(self) -> float:
@@ -103,6 +109,13 @@ def moved(robot_from_camera: Array, step: Array) -> Array:
     result[:3, :3] = Rotation.from_rotvec(step[:3]).as_matrix() @ result[:3, :3]
     result[:3, 3] += step[3:]
     return result
+
+
+def vague(covariance: Array) -> tuple[str, ...]:
+    """Return what of a mounting (``UNITS``) is hardly known, by its covariance (6, 6)."""
+    prior = np.concatenate([PRIORS[ROTATION], PRIORS[SHIFT]])
+    unknown = np.sqrt(np.diag(covariance)) > VAGUE * prior
+    return tuple(name for name, each in zip(UNITS, unknown, strict=True) if each)
 
 
 def step_between(start: Array, end: Array) -> Array:

@@ -16,10 +16,18 @@ from scipy.optimize import least_squares
 from robot.calibration.drive_log import LOOSE
 from robot.calibration.lens.sighting import Grey
 from robot.calibration.misses import nearest_edges
-from robot.calibration.mounting.mounting import Mounting, MountingError, derivatives, moved
+from robot.calibration.mounting.mounting import (
+    UNITS,
+    Mounting,
+    MountingError,
+    derivatives,
+    moved,
+    vague,
+)
 from robot.calibration.tape_edges import TapeEdges
 from robot.camera import FloorView, Lens
 from robot.description.unknowns import PRIORS, ROTATION, SHIFT
+from robot.estimation.fit_quality import FitQuality, correlation_of, overruns, robust_sd
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2
 from robot.scanning.line_scanner import LineScanner, LineScannerSettings
@@ -118,7 +126,8 @@ def mounting_by_tape(
         def weighted(shares: Array) -> Array:
             return np.concatenate([errors(shares) / EDGE_SD, shares])
 
-        shares = np.asarray(least_squares(weighted, shares, loss="soft_l1", f_scale=10).x)
+        fitted = least_squares(weighted, shares, loss="soft_l1", f_scale=10)
+        shares = np.asarray(fitted.x)
     last = errors(shares)
     rms = float(np.sqrt(np.mean(last**2)))
     lost = len(near) < LEAST_SHARE * len(seen.pixels)
@@ -126,9 +135,18 @@ def mounting_by_tape(
         raise MountingError(_elsewhere(len(near), len(seen.pixels)))
     slopes = derivatives(weighted, shares, 1e-4)
     scatter = max(1.0, rms / EDGE_SD)
-    covariance = np.linalg.inv(slopes.T @ slopes) * np.outer(prior, prior) * scatter**2
+    covariance = np.outer(prior, prior) * np.asarray(np.linalg.inv(slopes.T @ slopes), float)
+    covariance *= scatter**2
     result = moved(described, shares * prior)
-    return Mounting(result, covariance + _of_place(result), last)
+    covariance += _of_place(result)
+    quality = FitQuality(
+        robust_sd(last / EDGE_SD),
+        bool(fitted.success),
+        correlation_of(last),
+        overruns(shares, np.ones(6), tuple(UNITS)),
+        vague(covariance),
+    )
+    return Mounting(result, covariance, last, quality)
 
 
 def _search(

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from robot.estimation.fit_quality import FitQuality
 from robot.fields.occupancy_grid import OccupancyGrid
 from robot.geometry import Array, Pose2
 from robot.localization.models.motion_models import MotionModel
@@ -92,7 +93,13 @@ class GraphSlam:
         graph = self.graph
         covariances = [graph.covariance(node, 0)[:2, :2] for node in range(1, len(graph.poses))]
         sd = np.sqrt([0.0, *(np.linalg.eigvalsh(each)[-1] for each in covariances)])
-        return np.asarray(sd)
+        return self.quality.interval_factor * np.asarray(sd)
+
+    @property
+    def quality(self) -> FitQuality:
+        """How well the path fits what was measured; without a loop, where it is is not told."""
+        unobservable = () if self.loops else ("drift",)
+        return replace(self.graph.quality, unobservable=unobservable)
 
     @property
     def grid(self) -> OccupancyGrid:

@@ -6,12 +6,14 @@ solution also has the covariance, which says where loops have to be looked for.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 
 import numpy as np
 from scipy.sparse import csc_matrix, csr_matrix
 from scipy.sparse.linalg import SuperLU, splu
 
+from robot.estimation.fit_quality import FitQuality
 from robot.geometry import Array, Pose2, wrap_angle
 from robot.mapping.graph.constraints import TAIL, Constraint, ConstraintArrays
 
@@ -19,6 +21,8 @@ STEPS = 30
 """Most Gauss-Newton steps."""
 HALVINGS = 6
 """Times that a step is halved at most."""
+MEDIAN_OF_SQUARES = 2.366
+"""Median of the sum of the squares of three standard normal numbers."""
 CONVERGED = 1e-5
 """Largest change [m, rad] of a last step."""
 
@@ -31,6 +35,8 @@ class PoseGraph:
         self.poses: Array = start.to_array()[None]
         """(n, 3) [m, m, rad]"""
         self.constraints: list[Constraint] = []
+        self.converged = True
+        """Whether a further step of the last adjustment would have changed nothing."""
         self._solved: SuperLU | None = None
 
     def add_pose(self, pose: Pose2) -> int:
@@ -73,13 +79,29 @@ class PoseGraph:
             while parts.cost(ahead) > cost + 1e-9 and length > 0.5**HALVINGS:
                 length *= 0.5
                 ahead = self.poses + length * step.reshape(-1, 3)
-            if parts.cost(ahead) > cost + 1e-9:
+            # Where no step leads lower, there is nothing lower.
+            self.converged = parts.cost(ahead) > cost + 1e-9
+            if self.converged:
                 break
             cost, self.poses = parts.cost(ahead), ahead
-            if np.abs(length * step).max() < CONVERGED:
+            self.converged = bool(np.abs(length * step).max() < CONVERGED)
+            if self.converged:
                 break
         self.poses[:, 2] = wrap_angle(self.poses[:, 2])
         self._solved = None
+
+    @property
+    def quality(self) -> FitQuality:
+        """How well the poses fit what was measured between them.
+
+        Neighbours are not compared: what a loop corrects is spread over all steps of odometry.
+        """
+        if not self.constraints:
+            return FitQuality(math.nan)
+        parts = ConstraintArrays.of(self.constraints)
+        residuals = parts.residuals(self.poses)
+        spread = math.sqrt(float(np.median(parts.squares(residuals))) / MEDIAN_OF_SQUARES)
+        return FitQuality(spread, self.converged)
 
     def squares(self, constraints: list[Constraint]) -> Array:
         """Return the squared residuals (m,) of constraints, in deviations."""

@@ -139,8 +139,10 @@ def test_where_places_look_alike_the_start_has_to_be_told_better() -> None:
 def test_a_start_told_a_quarter_turn_wrong_is_found_by_the_whole_drive() -> None:
     """Its beginning looks alike from four sides; later it sees the mark."""
     marked = load_field("stub", MAPS)
-    log, _, path = driven("as-real", 3, 20.0, map_name="stub")
+    log, _, path = driven("as-real", 3, 40.0, map_name="stub")
     told = Pose2(marked.start.x, marked.start.y, marked.start.theta + np.pi / 2)
+    early = calibrate(log.until(200), SPEC, marked, told, START_COVARIANCE)
+    assert any("only the given start tells" in remark for remark in early.remarks)
     found = calibrate(log, SPEC, marked, told, START_COVARIANCE)
     np.testing.assert_allclose(found.solution.state.poses[0], path[0], atol=0.003)
     assert not any("fits as well" in remark for remark in found.remarks)

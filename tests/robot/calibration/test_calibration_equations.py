@@ -67,15 +67,17 @@ def test_derivatives_of_steps_are_those_of_small_differences() -> None:
             (np.arange(len(error)) % 2 == 0)[:, None], own[:, :, column], following[:, :, column]
         )
         assert change == pytest.approx(expected, rel=1e-3, abs=1e-2)
+    # Those by the wheels and their slip are taken at how the robot moved, so the path has to be
+    # what they rolled.
+    slip = np.zeros((len(path), 2))
+    rolled = DriveEstimate(true, rolled_path(path[0], motion.steps(true, slip[:-1])[0]), slip)
+    error, own, _, robot = adjustment._step_errors(rolled)
     for wheel in range(2):
         slips = slip.copy()
         slips[:, wheel] += small
-        change = (adjustment._step_errors(DriveEstimate(true, path, slips))[0] - error) / small
+        slipping = DriveEstimate(true, rolled.poses, slips)
+        change = (adjustment._step_errors(slipping)[0] - error) / small
         assert change == pytest.approx(own[:, :, 3 + wheel], rel=1e-3, abs=1e-2)
-    # Those by the wheels are taken at how the robot moved, so the path has to be what they rolled.
-    slip = np.zeros((len(path), 2))
-    rolled = DriveEstimate(true, rolled_path(path[0], motion.steps(true, slip[:-1])[0]), slip)
-    error, _, _, robot = adjustment._step_errors(rolled)
     assert np.abs(error).max() < 1e-6
     for name in ("left_radius", "right_radius", "wheel_separation"):
         place = NAMES.index(name)

@@ -71,7 +71,9 @@ def test_a_stroke_at_the_wrong_place_is_told_with_its_place() -> None:
 def test_a_lens_file_of_another_lens_is_told() -> None:
     lens = replace(SPEC.lens, distortion=1.15 * SPEC.lens.distortion)
     calibration = calibrated(SPEC.with_camera(lens, SPEC.robot_from_camera))
-    (remark,) = calibration.remarks
+    overrun, remark = calibration.remarks
+    assert "lens_error" in overrun
+    assert calibration.quality.contradictions == (overrun,)
     assert remark.startswith("the lens file does not fit")
     assert path_error(calibration) < 0.001
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from robot.calibration.wheel_motion import BY_SEPARATION, WheelMotion
+from robot.calibration.wheel_motion import BY_LEFT, BY_RIGHT, BY_SEPARATION, BY_SLIP, WheelMotion
 from robot.description.unknowns import COUNT, NAMES
 from robot.geometry import Array
 
@@ -15,9 +15,9 @@ def test_the_noise_of_wheels_that_go_straight_tells_no_separation() -> None:
     noise = np.random.default_rng(0).normal(0, 0.01, (len(stamps), 2))
     motion = WheelMotion(stamps, stamps, 4 * stamps[:, None] + noise, (0.028, 0.028), 0.12)
     straight = np.column_stack([0.112 * stamps, 0 * stamps, 0 * stamps])
-    errors = straight[1:] - straight[:-1] - motion.steps(np.zeros(COUNT), np.zeros((99, 2)))[0]
-    _, by_wheels = motion.steps(np.zeros(COUNT), np.zeros((99, 2)))
-    by_motion = by_wheels + motion.by_errors(np.zeros(COUNT), errors)
+    steps, by_wheels = motion.steps(np.zeros(COUNT), np.zeros((99, 2)))
+    errors = straight[1:] - straight[:-1] - steps
+    by_motion = by_wheels + motion.by_errors(np.zeros(COUNT), steps, errors)
     assert np.abs(by_wheels[:, 2, BY_SEPARATION]).max() > 1e-3
     assert np.abs(by_motion[:, 2, BY_SEPARATION]).max() < 1e-6
 
@@ -39,6 +39,24 @@ def test_slip_tells_no_separation() -> None:
         for state in (slip, 0 * slip)
     ]
     assert changes[0] < 0.1 * changes[1]
+
+
+def test_slip_tells_no_larger_wheels() -> None:
+    """Pictures of a drive whose wheels slip say as much of slip as of the wheels' size.
+
+    Else the sum of the slip's squares is taken for wheels that are larger by 0.7 %.
+    """
+    rng = np.random.default_rng(0)
+    slip, noise = rng.normal(0, 0.04, (100, 2)), rng.normal(0, 0.01, (100, 2))
+    stamps = np.arange(100) / 10
+    turned = 4 * stamps[:, None] + noise + np.cumsum(0.4 * slip, axis=0)
+    motion = WheelMotion(stamps, stamps, turned, (0.028, 0.028), 0.12)
+    steps, by_wheels = motion.steps(np.zeros(COUNT), slip[:-1])
+    errors = np.array([0.0112, 0.0, 0.0]) - steps
+    by_motion = by_wheels + motion.by_errors(np.zeros(COUNT), steps, errors)
+    sizes = by_motion[:, 0, [BY_LEFT, BY_RIGHT]].sum(axis=1)
+    assert sizes == pytest.approx(0.0112, rel=1e-3)
+    assert -by_motion[:, 0, BY_SLIP].sum(axis=1) == pytest.approx(sizes, rel=0.02)
 
 
 def test_the_robot_moves_at_a_picture_as_before_and_after_it() -> None:

@@ -1,6 +1,8 @@
 """Maps drawn by driving: strokes, their edges, tracing, ends, drawing, and whole drives."""
 
+import json
 import math
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,6 +18,7 @@ from app.command_line import main
 from app.engine.build import load_field
 from app.settings.config import MAPS
 from robot.calibration.drive_log import DriveLog
+from robot.estimation.fit_quality import FitQuality
 from robot.fields.svg_field import field_of_drawing
 from robot.geometry import Array, Pose2
 from robot.mapping.bare_floor import BIN, gaps
@@ -199,21 +202,40 @@ def test_obtuse_corners_leave_the_scale_of_a_robot_that_nobody_calibrated(
     assert errors_of(drawn, poses, load_field(outline, MAPS)).mean < 0.001
     assert len(drawn.tidy.corners) == len(corners)
     assert drawn.fits
-    assert drawn.overrun == {}
+    assert drawn.quality.overrun == {}
     assert drawn.node_sd.max() < 0.002
 
 
 @pytest.mark.slow
 def test_what_did_not_converge_or_has_an_impossible_ruler_says_so() -> None:
     drawn, _ = mapped("square", 60100)
-    assert drawn.solution.converged
-    unfinished = replace(drawn, solution=replace(drawn.solution, converged=False))
+    assert drawn.quality.converged
+    unfinished = replace(drawn, quality=replace(drawn.quality, converged=False))
     assert not unfinished.fits
     assert "did not come to an end" in unfinished.remarks[0]
-    stretched = replace(drawn, overrun={"tape_width": -65.0})
+    stretched = replace(drawn, quality=replace(drawn.quality, overrun={"tape_width": -65.0}))
     assert not stretched.fits
-    assert "its scale may be wrong" in stretched.remarks[0]
+    assert "its scale too, may be wrong" in stretched.remarks[0]
     assert "tape_width -65 times" in stretched.remarks[0]
+    # The file tells it as data, too.
+    data = re.search("data-fit='(.*?)'", stretched.drawing("stretched"))
+    assert data is not None
+    assert FitQuality.of_table(json.loads(data[1])).contradictions == stretched.remarks[:1]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [710, 711])
+def test_a_robot_that_nobody_calibrated_claims_no_more_than_its_map_is(seed: int) -> None:
+    """It claimed 0.9 mm where it was 1.6 mm off, and that somebody had pushed it."""
+    drawn, poses = mapped("stub", seed, "as-real")
+    assert not drawn.quality.is_noise
+    errors = errors_of(drawn, poses, load_field("stub", MAPS))
+    assert 1.96 * np.median(drawn.node_sd) > errors.mean
+    words = " ".join(drawn.remarks)
+    assert "the robot, its lens or the floor is not" in words
+    assert "it slipped" not in words
+    known, _ = mapped("square", 60100)
+    assert known.quality.is_noise
 
 
 def test_tape_that_looks_the_same_when_moved_is_not_steady() -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import cv2
@@ -43,7 +43,7 @@ class CalibratedLens:
     def message(self) -> LensMessage:
         """Return what a page shows of it."""
         result = self.result
-        named = zip(result.lens.parameters.items(), result.chosen.fit.sd.tolist(), strict=True)
+        named = zip(result.lens.parameters.items(), result.sd.tolist(), strict=True)
         seen = list(result.seen.values())
         return LensMessage(
             model=result.chosen.model,
@@ -63,7 +63,7 @@ class CalibratedLens:
                 LensRefusalMessage(picture=picture, reason=reason)
                 for picture, reason in result.refused.items()
             ],
-            missing=missing(seen, self.board),
+            missing=[*result.quality.remarks, *missing(seen, self.board)],
         )
 
     def camera_info(self) -> str:
@@ -75,12 +75,15 @@ class CalibratedLens:
 
         Raises:
             SpecError: the profile that there is cannot be used, or the lens is for other pictures.
+            ContradictionError: the lens contradicts itself.
         """
         spec = self.program.robot.spec.as_drawn
         path = saved_profile(self.program) or profile_file(self.program.config)
         before = profile_before(path, spec) if path else Profile.unmeasured(spec.name, "")
-        measured = MeasuredLens(self.result.lens, self.result.chosen.fit.sd)
-        profile = with_lens(before, measured, f"lens by {len(self.result.seen)} pictures")
+        measured = MeasuredLens(self.result.lens, self.result.sd)
+        source, quality = f"lens by {len(self.result.seen)} pictures", self.result.quality
+        quality.require_consistent()
+        profile = replace(with_lens(before, measured, source), fit=quality.table())
         profile.applied_to(spec)
         return profile
 

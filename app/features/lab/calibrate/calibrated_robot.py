@@ -32,4 +32,5 @@ class CalibratedRobot:
     def profile(self) -> Profile:
         """The profile to be written."""
         values, sd = self.calibration.values[:ROBOT], self.calibration.sd[:ROBOT]
-        return Profile(self.spec.name, datetime.now(UTC), self.source, values, sd, self.lens)
+        made, fit = datetime.now(UTC), self.calibration.quality.table()
+        return Profile(self.spec.name, made, self.source, values, sd, self.lens, fit)

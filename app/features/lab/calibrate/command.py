@@ -31,7 +31,7 @@ from app.settings.profiles import NONE
 from robot.calibration.adjustment import CalibrationError, Solution
 from robot.calibration.calibrate import SHORTEST_S, START_COVARIANCE, Calibration, calibrate
 from robot.calibration.drive_log import DriveRecorder
-from robot.calibration.programme import USUAL_S, velocity
+from robot.calibration.programme import LONGEST_S, USUAL_S, rest_after, velocity
 from robot.description.lens_table import MeasuredLens
 from robot.description.profile import load_profile
 from robot.description.spec import RobotSpec
@@ -41,11 +41,15 @@ from robot.geometry import Pose2
 from robot.interface import Reading, RobotError
 from robot.settings import SettingError
 
-LONGEST_S = 600.0
+MOST_S = 600.0
 """Longest duration of a drive [s]."""
+FEWEST_S = 20.0
+"""Before, nothing is adjusted to see whether the camera's place is known [s]."""
+MOST_MORE = 1.5
+"""By which factor a drive is longer when it is looked at again, at most: looking takes seconds."""
 OUT = Path("profile.toml")
 Report = Callable[[float, Solution], None]
-LIVE_ONLY = ("robot", "condition", "seed", "serial_port", "camera")
+LIVE_ONLY = ("until", "robot", "condition", "seed", "serial_port", "camera")
 """Options that have no effect with a recording."""
 
 
@@ -54,11 +58,13 @@ def calibrate_drive(given: dict[str, Any]) -> int:
 
     Raises:
         CalibrationError: the drive does not determine the unknowns; nothing is written.
+        ContradictionError: it contradicts itself; only the report is written.
         SettingError, FieldError, RecordingError, OSError: says what cannot be used.
     """
-    seconds = given.pop("seconds", USUAL_S)
-    if not SHORTEST_S <= seconds <= LONGEST_S:
-        raise SettingError(f"--seconds is {seconds:g}; valid is {SHORTEST_S:g} to {LONGEST_S:g}")
+    until, force = given.pop("until", None), given.pop("force", False)
+    seconds = given.pop("seconds", USUAL_S if until is None else LONGEST_S)
+    if not SHORTEST_S <= seconds <= MOST_S:
+        raise SettingError(f"--seconds is {seconds:g}; valid is {SHORTEST_S:g} to {MOST_S:g}")
     start = given.pop("start", None)
     driven = Config(robot=given.get("robot", config_file(given).robot))
     out = given.pop("out", own_file(driven) or OUT)
@@ -70,7 +76,7 @@ def calibrate_drive(given: dict[str, Any]) -> int:
     if recording is None:
         lens = profile_before(out, robot_kind(driven).description()).lens
         config = config_from(Namespace(**given))
-        result = calibrate_by_driving(config, seconds, pose, report, lens)
+        result = calibrate_by_driving(config, seconds, pose, report, lens, until)
     else:
         for name in LIVE_ONLY:
             if name in given:
@@ -80,10 +86,15 @@ def calibrate_drive(given: dict[str, Any]) -> int:
         result = calibrate_recording(recording, given.get("map"), seconds, pose, report, lens)
     for line in lines_of(result.calibration):
         say(line)
+    known = result.calibration.camera_y_sd
+    if until is not None:
+        compared = "known" if known <= until else "not known"
+        say(f"camera_y is {compared} to {1e3 * until:g} mm: its deviation is {1e3 * known:.2f} mm")
     profile_before(out, result.spec)
-    write_profile(out, result.profile)
     with atomic_file(page) as new:
         new.write_text(drive_report(result), encoding="utf-8")
+    result.calibration.quality.require_consistent(force=force)
+    write_profile(out, result.profile)
     robot = "" if driven.robot == AUTO else f" --robot {driven.robot}"
     used = f"brickpose run{robot} --profile {out}"
     say(f"the profile is {out}, a report in {page}; use it by: {used}")
@@ -110,8 +121,17 @@ def calibrate_by_driving(
     start: Pose2 | None,
     report: Report = _silent,
     lens: MeasuredLens | None = None,
+    until: float | None = None,
 ) -> CalibratedRobot:
     """Drive the calibration's programme with a robot, and adjust the drive.
+
+    Args:
+        config: of the robot.
+        seconds: how long it drives at most.
+        start: where it stands; the field's start by default.
+        report: called while the drive is adjusted.
+        lens: that it is seen through, if it is another than the described one.
+        until: standard deviation of ``camera_y`` [m] at which the drive ends.
 
     Raises:
         CalibrationError: the robot has a fault, or the drive does not determine the unknowns.
@@ -124,11 +144,23 @@ def calibrate_by_driving(
         program.field.require_inside(start or program.field.start)
         spec = _seen_through(lens, program.robot.spec)
         recorder = DriveRecorder(spec, config.scanner, program.field.tape)
+        began: float | None = None
+        due, elapsed = FEWEST_S, 0.0
         for reading in _driven(program, seconds):
             recorder.add(reading)
+            began = reading.stamp if began is None else began
+            elapsed = reading.stamp - began
+            # The robot stands between two parts, and may wait there.
+            if until is not None and elapsed >= rest_after(due):
+                more = (_known(recorder, spec, program.field, start) / until) ** 2
+                if more <= 1:
+                    break
+                # The variance falls with the time, or faster.
+                due = elapsed * min(MOST_MORE, more)
     finally:
         program.robot.close()
-    source = f"{seconds:g} s of driving on {program.field.name}"
+    driven = seconds if until is None else elapsed
+    source = f"{driven:.3g} s of driving on {program.field.name}"
     result = _adjusted(recorder, spec, program.field, start, source, report)
     return replace(result, lens=lens)
 
@@ -190,6 +222,14 @@ def calibrate_recording(
     return replace(result, lens=lens)
 
 
+def _known(recorder: DriveRecorder, spec: RobotSpec, field: Field, start: Pose2 | None) -> float:
+    """Return the standard deviation of ``camera_y`` by the drive so far [m]; inf if it is none."""
+    try:
+        return _adjusted(recorder, spec, field, start, "", _silent).calibration.camera_y_sd
+    except CalibrationError:
+        return math.inf  # more of the drive may tell
+
+
 def _adjusted(
     recorder: DriveRecorder,
     spec: RobotSpec,
@@ -209,7 +249,7 @@ def _adjusted(
 def lines_of(calibration: Calibration) -> list[str]:
     """Return the report, with a line for each unknown."""
     lines = unknown_lines(calibration.values, calibration.sd, calibration.not_learnt)
-    lines.append(f"the edges lie {calibration.residual:.2f} times as far off as expected")
+    lines += calibration.quality.facts
     millimetres = 1.96 * 1e3 * calibration.position_sd
     if not math.isnan(millimetres):
         lines.append(

@@ -32,6 +32,7 @@ def drive_report(result: CalibratedRobot) -> str:
         source=result.source,
         place=None if math.isnan(place) else place,
         remarks=calibration.remarks,
+        facts=calibration.quality.facts,
         advice=calibration.advice,
         rows=_rows(result),
         shares=_draw_shares(result),

@@ -17,7 +17,7 @@ from app.result_files import require_writable
 from app.settings.config import AUTO, Config
 from app.settings.profile_files import profile_before, with_lens, write_profile
 from robot.calibration.lens.board import Board
-from robot.calibration.lens.coverage import bare_corners, missing
+from robot.calibration.lens.coverage import missing
 from robot.calibration.lens.lens_calibration import (
     LensCalibration,
     LensError,
@@ -42,8 +42,10 @@ def calibrate_lens_command(given: dict[str, Any]) -> int:
 
     Raises:
         LensError: the pictures do not determine a lens; nothing is written.
+        ContradictionError: it contradicts itself; only the report is written.
         SettingError, OSError: says what cannot be used.
     """
+    force = given.pop("force", False)
     form, out = _file_of(given.pop("format", None), given.pop("out", None))
     report = given.pop("report", out.with_suffix(".html"))
     require_writable(out, report)
@@ -63,6 +65,7 @@ def calibrate_lens_command(given: dict[str, Any]) -> int:
         say(line)
     with atomic_file(report) as new:
         new.write_text(lens_report(result, board), encoding="utf-8")
+    result.quality.require_consistent(force=force)
     if before is None:
         text = (
             camera_info_of(result, board, spec.lens.readout)
@@ -72,8 +75,9 @@ def calibrate_lens_command(given: dict[str, Any]) -> int:
         with atomic_file(out) as new:
             new.write_text(text, encoding="utf-8")
     else:
-        measured = MeasuredLens(result.lens, result.chosen.fit.sd)
-        profile = with_lens(before, measured, f"lens by {len(result.seen)} pictures")
+        measured = MeasuredLens(result.lens, result.sd)
+        source = f"lens by {len(result.seen)} pictures"
+        profile = replace(with_lens(before, measured, source), fit=result.quality.table())
         profile.applied_to(spec)
         write_profile(out, profile)
     say(f"the lens is in {out}, a report in {report}")
@@ -150,11 +154,12 @@ def lines_of(result: LensCalibration, board: Board) -> Iterator[str]:
             else "does not reach the picture's sides, or not without a part of the pictures"
         )
         yield f"{rating.model:<20} {held_out}, {rating.fit.rms:.3f} px in its own{mark}"
-    sd = result.chosen.fit.sd
+    sd = result.sd
     for (name, value), error in zip(result.lens.parameters.items(), sd, strict=True):
         digits = 2 if name in ("fx", "fy", "cx", "cy") else 4
         yield f"{name:<3}{value:>10.{digits}f} ± {1.96 * error:.{digits}f}"
-    bare = bare_corners(list(result.seen.values()))
+    yield from (*result.quality.facts, *result.quality.remarks)
+    bare = result.quality.unobservable
     if bare:
         apart = extrapolated(result.ratings, result.chosen)
         yield (

@@ -22,7 +22,7 @@ LENGTHENED = 100.0
 def lens_report(result: LensCalibration, board: Board) -> str:
     """Return the report as HTML, with all figures in it."""
     chosen = result.chosen
-    sd = chosen.fit.sd
+    sd = result.sd
     names = result.lens.parameters.items()
     rows = [
         (name, value, 1.96 * error) for (name, value), error in zip(names, sd.tolist(), strict=True)
@@ -36,7 +36,8 @@ def lens_report(result: LensCalibration, board: Board) -> str:
         parameters=rows,
         pictures=_pictures(result, board),
         refused=sorted(result.refused.items()),
-        missing=missing(list(result.seen.values()), board),
+        missing=[*result.quality.remarks, *missing(list(result.seen.values()), board)],
+        facts=result.quality.facts,
         residuals=residual_picture(result),
         coverage=coverage_picture(result),
         lengthened=LENGTHENED,

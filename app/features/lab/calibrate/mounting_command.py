@@ -55,9 +55,10 @@ def calibrate_mounting(given: dict[str, Any]) -> int:
 
     Raises:
         MountingError, SightingError: the picture does not show the mounting; nothing is written.
+        ContradictionError: it contradicts itself; nothing is written.
         SettingError, FieldError, SpecError, CameraError, OSError: says what cannot be used.
     """
-    out = given.pop("out", OUT)
+    out, force = given.pop("out", OUT), given.pop("force", False)
     report = given.pop("report", out.with_suffix(".png"))
     require_writable(out, report)
     spec = robot_kind(Config(robot=given.pop("robot", AUTO))).description()
@@ -80,9 +81,12 @@ def calibrate_mounting(given: dict[str, Any]) -> int:
         say(line)
     step = step_between(spec.robot_from_camera, measured.mounting.robot_from_camera)
     sd = np.sqrt(np.diag(measured.mounting.covariance))
-    profile = with_mounting(before, step, sd, measured.source)
+    quality = measured.mounting.quality
+    sd *= quality.interval_factor
+    profile = replace(with_mounting(before, step, sd, measured.source), fit=quality.table())
     profile.applied_to(spec)
     floor = draw_floor(grey, seen_by.lens, measured.mounting.robot_from_camera)
+    quality.require_consistent(force=force)
     write_profile(out, profile)
     with atomic_file(report) as new:
         cv2.imwrite(str(new), floor)
@@ -178,4 +182,4 @@ def lines_of(measured: MeasuredMounting, spec: RobotSpec) -> Iterator[str]:
         value, sd = scale * mounting.values[name], scale * mounting.sd[name]
         yield f"{name:<9}{value:>z10.2f}{1.96 * sd:>8.2f}{scale * drawn[name]:>z10.2f} {unit}"
     yield f"{len(mounting.errors)} numbers of the picture lie {mounting.rms:.2f} px off"
-    yield from measured.notes
+    yield from (*mounting.quality.facts, *mounting.quality.remarks, *measured.notes)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 from pathlib import Path
 from typing import Any
 
@@ -39,7 +40,19 @@ def add_calibrate(command: CommandParser) -> None:
         help="a recorded drive, instead of driving now",
     )
     add_settings(drive, "robot", "map")
-    drive.add_argument("--seconds", type=float, metavar="S", help="how long to drive (default: 60)")
+    drive.add_argument(
+        "--seconds",
+        type=float,
+        metavar="S",
+        help="how long to drive (default: 60, and at most 120 with --until)",
+    )
+    drive.add_argument(
+        "--until",
+        type=_millimetres,
+        metavar="0.3mm",
+        help="drive until the standard deviation of camera_y, which the robot's place depends on "
+        "most, is that small",
+    )
     drive.add_argument(
         "--start",
         type=float,
@@ -60,7 +73,25 @@ def add_calibrate(command: CommandParser) -> None:
     add_condition(drive)
     add_settings(drive, "serial_port", "camera")
     add_config(drive)
+    _add_force(drive)
     drive.set_defaults(command=_drive)
+
+
+def _millimetres(text: str) -> float:
+    """Return a length in metres; ArgumentTypeError if it is none in millimetres, 0.05 to 5."""
+    try:
+        value = float(text.removesuffix("mm"))
+    except ValueError:
+        value = math.nan
+    if not 0.05 <= value <= 5 or not text.endswith("mm"):
+        raise argparse.ArgumentTypeError(f"{text!r}; valid is 0.05mm to 5mm")
+    return value / 1e3
+
+
+def _add_force(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "--force", action="store_true", help="write a result that contradicts itself, too"
+    )
 
 
 def _add_robot(command: argparse.ArgumentParser, about: str) -> None:
@@ -117,6 +148,7 @@ def _add_lens(kinds: Commands) -> None:
         "--report", type=Path, metavar="FILE.html", help="the report (default: beside the lens)"
     )
     _add_robot(lens, "whose profile it is (default: the program's own robot)")
+    _add_force(lens)
     lens.set_defaults(command=_lens)
 
 
@@ -174,6 +206,7 @@ def _add_mounting(kinds: Commands) -> None:
         help="the picture with the floor's grid (default: beside the profile)",
     )
     _add_robot(mounting, "whose camera it is (default: that of the program's own robot)")
+    _add_force(mounting)
     mounting.set_defaults(command=_mounting)
 
 

@@ -54,11 +54,13 @@ def map_recording(
         width: of the tape [m].
         report: the page to write; None is beside the drawing.
         profile: calibrates the robot along with the map, and writes its profile; or None.
-        force: whether files of an earlier map may be overwritten.
+        force: whether files of an earlier map may be overwritten, and a map be written that
+            contradicts itself.
         brightness: of the tape, as ``read_drive``.
 
     Raises:
         MappingError, CalibrationError: the drive does not tell what the floor is like.
+        ContradictionError: the map contradicts itself; only the report is written.
         SettingError, RecordingError, OSError: says what cannot be used.
     """
     if out.suffix.lower() != ".svg":
@@ -78,15 +80,14 @@ def map_recording(
         profile_before(profile, spec)  # another robot's is not overwritten
     mapper = Mapper(log, spec, width, Pose2(*start), calibrate=calibrate)
     drawn = mapper.run(_show if sys.stderr.isatty() else _silent)
-    write_map(drawn, out, f"Drawn from {recording.name}")
     with atomic_file(page) as new:
         new.write_text(map_report(drawn, recording.name), encoding="utf-8")
     for line in [*drawn.facts, *drawn.remarks]:
         say(line)
+    drawn.quality.require_consistent(force=force)
+    write_map(drawn, out, f"Drawn from {recording.name}")
     options = f"--map {out}"
-    if profile is not None and drawn.overrun:
-        say(f"no profile is written to {profile}")
-    elif profile is not None:
+    if profile is not None:
         measured = profile_of_map(drawn, spec, f"a map from {recording.name}")
         write_profile(profile, measured)
         for line in unknown_lines(measured.values, measured.sd):
@@ -99,9 +100,9 @@ def map_recording(
 def profile_of_map(drawn: TapeMap, spec: RobotSpec, source: str) -> Profile:
     """Return the profile of a robot that was calibrated along with a map."""
     values = drawn.solution.state.values[:ROBOT]
-    sd = np.sqrt(np.diag(drawn.solution.covariance))[:ROBOT]
+    sd = np.sqrt(np.diag(drawn.solution.covariance))[:ROBOT] * drawn.quality.interval_factor
     lens = Profile.of(spec).lens
-    return Profile(spec.name, datetime.now(UTC), source, values, sd, lens)
+    return Profile(spec.name, datetime.now(UTC), source, values, sd, lens, drawn.quality.table())
 
 
 def read_drive(

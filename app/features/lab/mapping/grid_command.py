@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+import json
+import math
 import sys
 from collections.abc import Iterator
 from itertools import chain, count
@@ -15,6 +17,7 @@ from app.features.lab.mapping.looks import Observation, pictures, scans
 from app.result_files import require_new, require_writable
 from app.trajectories.trajectory import Trajectory
 from app.trajectories.tum_file import write_tum
+from robot.estimation.fit_quality import FitQuality
 from robot.fields.grid_map import save_map_yaml
 from robot.geometry import Pose2
 from robot.mapping.graph.graph_slam import GraphSettings, GraphSlam
@@ -52,7 +55,7 @@ def map_in_cells(parsed: argparse.Namespace, method: str, *, laser: bool) -> int
         mapper = _mapper(parsed, method, laser)
         stamps, following = _draw(mapper, following, looks)
         if stamps:
-            _write(mapper, stamps, name)
+            _write(mapper, stamps, name, force=parsed.force)
             name, drawn = next(names), drawn + 1
     if not drawn:
         raise MappingError("nothing was met on the way; a map needs a drive with walls or tape")
@@ -72,16 +75,22 @@ def _names(out: Path, force: bool) -> Iterator[Path]:
             yield path
 
 
-def _write(mapper: CellMapper, stamps: list[float], out: Path) -> None:
-    """Write a map and the robot's path, and say what they are."""
+def _write(mapper: CellMapper, stamps: list[float], out: Path, *, force: bool) -> None:
+    """Write a map and the robot's path, unless it contradicts itself, and say what they are."""
     grid, path = mapper.grid, out.with_suffix(".tum")
+    quality = mapper.quality if isinstance(mapper, GraphSlam) else FitQuality(math.nan)
+    quality.require_consistent(force=force)
     save_map_yaml(grid, out)
+    if isinstance(mapper, GraphSlam):
+        with out.open("a", encoding="utf-8") as file:
+            file.write(f"# fit: {json.dumps(quality.table())}\n")
     write_tum(path, Trajectory.of_poses(np.array(stamps), mapper.path, out.stem))
     metres = np.hypot(*np.diff(mapper.path[:, :2], axis=0).T).sum()
     walls = np.count_nonzero(grid.occupied)
     say(f"{len(stamps)} looks along {metres:.1f} m, {walls} cells of {grid.resolution:g} m")
     if isinstance(mapper, GraphSlam):
-        say(certainty(mapper, stamps))
+        for line in (certainty(mapper, stamps), *quality.facts, *quality.remarks):
+            say(line)
     say(f"the map is {out}, the robot's path {path}")
 
 

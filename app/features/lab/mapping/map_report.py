@@ -26,7 +26,7 @@ def map_report(drawn: TapeMap, source: str) -> str:
         length=drawn.length,
         seconds=drawn.stamps[-1] - drawn.stamps[0],
         share=drawn.share,
-        residual=drawn.residual,
+        facts=drawn.quality.facts,
         sd=float(np.median(drawn.node_sd)),
         largest_sd=float(drawn.node_sd.max()),
         slip=float(np.abs(solution.state.slip).max()),

@@ -40,7 +40,7 @@ def add_map_command(command: CommandParser) -> None:
         "--force",
         action="store_true",
         default=False,
-        help="overwrite an earlier map and its report",
+        help="overwrite an earlier map and its report; write a map that contradicts itself",
     )
     command.add_argument(
         "--method",

@@ -15,11 +15,12 @@ from app.features.recordings.replay.opening import ReplayOptions, open_replay
 from app.settings.config import Config
 from robot.description.profile import load_profile
 from robot.description.unknowns import NAMES
+from robot.estimation import fit_quality
+from robot.estimation.fit_quality import FitQuality
 from robot.fields.field_loading import load_field
 from robot.fields.grid_map import load_map_yaml
 from robot.interface import RobotError
 from robot.localization.estimate import State
-from robot.mapping import mapper
 
 pytestmark = pytest.mark.slow
 
@@ -102,15 +103,19 @@ def test_a_robot_is_calibrated_along_with_the_map(
 def test_a_robot_that_cannot_be_built_so_gets_no_profile(
     recording: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch
 ) -> None:
-    monkeypatch.setattr(mapper, "MOST_PRIOR_SD", 1e-6)
+    monkeypatch.setattr(fit_quality, "MOST_PRIOR_SD", 1e-6)
     out, profile = tmp_path / "floor.svg", tmp_path / "robot.toml"
     arguments = ["map", str(recording), "--out", str(out), "--calibrate", str(profile)]
     assert main(arguments) == 1
-    shown = capsys.readouterr().out
-    assert "its scale may be wrong" in shown
-    assert f"no profile is written to {profile}" in shown
-    assert "--profile" not in shown
-    assert not profile.exists()
+    shown = capsys.readouterr()
+    assert "its scale too, may be wrong" in shown.out
+    assert "the result contradicts itself, so it is not kept" in shown.err
+    assert out.with_suffix(".html").exists()
+    assert not (profile.exists() or out.exists() or out.with_suffix(".yaml").exists())
+    # Who insists gets both, which say so as data.
+    assert main([*arguments, "--force"]) == 1
+    assert FitQuality.of_table(load_profile(profile).fit).overrun
+    assert "data-fit" in out.read_text("utf-8")
 
 
 def test_a_recording_without_pictures_is_refused(
