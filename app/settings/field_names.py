@@ -33,7 +33,8 @@ def field_named(name: str, saved: Path) -> str:
 
 
 def _loadable(saved: Path) -> dict[str, str]:
-    own = {path.stem: str(path) for path in sorted(saved.glob("*.svg"))}
+    files = (*sorted(saved.glob("*.yaml")), *sorted(saved.glob("*.svg")))
+    own = {path.stem: str(path) for path in files}
     return {name: name for name in field_names(MAPS)} | own
 
 

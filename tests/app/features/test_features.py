@@ -53,6 +53,7 @@ NAMES = [
     "classroom",
     "control",
     "course",
+    "field_editor",
     "grid_filter",
     "interface",
     "kalman_filter",
