@@ -47,6 +47,7 @@ async function reason(answer) {
     if (typeof detail === "string") return detail;
   } catch {
     // Not JSON: a line of plain text, as the server's guards write, or the status, says enough.
+    if (text === "This token only watches.") return t("This token only watches.");
     if (answer.headers.get("content-type")?.startsWith("text/plain") && text.length < 200) return text;
   }
   return t("the server answered {status}", { status: answer.status });

@@ -149,8 +149,9 @@ class Field:
         if not self.contains(pose):
             xmin, ymin, xmax, ymax = self.extent
             raise FieldError(
-                f"({pose.x:.3f}, {pose.y:.3f}) m, {pose.theta:.3f} rad is not on the field "
-                f"{self.name}; valid is x {xmin:.3f} to {xmax:.3f}, y {ymin:.3f} to {ymax:.3f} m"
+                f"({pose.x:z.3f}, {pose.y:z.3f}) m, {pose.theta:z.3f} rad is not on the field "
+                f"{self.name}; valid is x {xmin:z.3f} to {xmax:z.3f}, "
+                f"y {ymin:z.3f} to {ymax:z.3f} m"
             )
 
     def require_free(self) -> None:

@@ -133,8 +133,9 @@ def test_bad_files_are_refused_by_what_is_valid(page: Page, folder: Path) -> Non
 def test_who_only_watches_keeps_nothing(browser, tmp_path: Path) -> None:
     config = tmp_path / "settings.toml"
     config.write_text(f'[mapping]\nfolder = "{tmp_path}/fields"\n')
-    words = ("run", "--robot", "kinematic", "--map", "square", "--port", "0", "--config",
-             str(config), "--token", "only-for-drivers", "--watch-token", "for-all-others")  # fmt: skip
+    words = ["run", "--robot", "kinematic", "--map", "square", "--port", "0"]
+    words += ["--config", str(config)]
+    words += ["--token", "only-for-drivers", "--watch-token", "for-all-others"]
     with started(*words, says=r"(http://[^\s/?]+)") as (_, address):
         context = show_all(browser.new_context())
         context.set_default_timeout(PATIENCE_MS)

@@ -15,6 +15,7 @@ from app.features.field_editor.messages import (
     EditableStrokeMessage,
 )
 from app.languages.marking import phrase
+from robot.fields.drawing.question import LEFT_OUT
 from robot.fields.drawing.shapes import Page, Shape
 from robot.fields.drawing.svg_file import parse, read_bytes
 from robot.fields.drawing.svg_shapes import read_page
@@ -39,7 +40,7 @@ def editable(path: Path) -> EditableDrawingMessage:
     except SvgError as error:
         raise FieldError(f"{path.stem}: {error}") from error
     left, top = -page.origin[0], page.origin[1]
-    strokes, fills, remarks = [], [], []
+    strokes, fills, remarks = [], [], [words for words in (page.notes.get(LEFT_OUT),) if words]
     if page.background is not None:
         box = _around(page.size.width, page.size.height)
         fills.append(_fill([_on_map(box, page)], page.background.grey, page.background.alpha))
@@ -60,7 +61,11 @@ def editable(path: Path) -> EditableDrawingMessage:
         start=(field.start.x * 1000, field.start.y * 1000, math.degrees(field.start.theta)),
         strokes=strokes,
         fills=fills,
-        kept={name: text for name, text in page.notes.items() if name != "data-start"},
+        kept={
+            name: text
+            for name, text in page.notes.items()
+            if name.startswith("data-") and name != "data-start"
+        },
         remarks=list(dict.fromkeys(remarks)),
     )
 

@@ -5,6 +5,6 @@ from app.feature import Feature, Late
 FEATURE = Feature(
     name="field_editor",
     about="shows pictures of fields, keeps drawings and maps, edits tape, and prints it to scale",
-    routers=(Late("app.features.field_editor.routes:field_editor_router"),),
+    outlet=Late("app.features.field_editor.outlet:FieldEditorOutlet"),
     messages=(Late("app.features.field_editor.messages:MESSAGES"),),
 )

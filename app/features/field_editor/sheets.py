@@ -158,10 +158,14 @@ def _sheet(printing: Printing, sheet: Sheet, name: str, own: Catalogue) -> Itera
         yield from _painted(shapely.intersection(coat.layer.area, part), _tone(coat))
     yield "Q"
     yield from _crosses(printing, sheet)
-    words = own.t("{name}: sheet {sheet}, rows A to {rows}, columns 1 to {columns}; overlap {overlap} mm",
-        name=name, sheet=sheet.label, rows=_letters(printing.rows - 1), columns=printing.columns,
+    words = own.t(
+        "{name}: sheet {sheet}, rows A to {rows}, columns 1 to {columns}; overlap {overlap} mm",
+        name=name,
+        sheet=sheet.label,
+        rows=_letters(printing.rows - 1),
+        columns=printing.columns,
         overlap=f"{printing.overlap:g}",
-    )  # fmt: skip
+    )
     yield _written(words, MARGIN, MARGIN + 1.5, 3.2)
     yield from _ruler(MARGIN + printing.part[0] - RULER, MARGIN + 1.5, own)
 

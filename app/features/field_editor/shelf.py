@@ -14,6 +14,7 @@ from app.result_files import is_portable
 from app.settings.config import MAPS
 from app.settings.field_names import field_named, listed_fields
 from robot.errors import BrickPoseError, CommandError
+from robot.fields.drawing.question import LEFT_OUT
 from robot.fields.drawing.svg_file import MAX_BYTES
 from robot.fields.field_loading import load_field
 from robot.fields.map_files import MAX_YAML_BYTES
@@ -24,8 +25,6 @@ NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,59}")
 LARGEST_DRAWING = MAX_BYTES
 LARGEST_PICTURE = 32 << 20
 """Of a ROS map [bytes]: 100 m by 80 m at 16 mm, uncompressed."""
-LEFT_OUT = "left-out"
-"""A field's note on what of its drawing is no part of it."""
 MOST = 500
 """Most files of a folder."""
 PICTURE_KINDS = {
