@@ -1,4 +1,4 @@
-"""What tells, when a program begins, what of its drawing is not on the floor."""
+"""The outlet: serves fields of one's own, and tells what of a drawing is not on the floor."""
 
 from __future__ import annotations
 

@@ -87,10 +87,10 @@ def _add_views(router: APIRouter, shelf: FieldShelf) -> None:
     def picture(name: str) -> Response:
         """A small picture of a field that is listed, from above."""
         with _refused(404):
-            found = next((each for each in shelf.listed() if each.name == name), None)
-            if found is None:
+            shelved = next((each for each in shelf.listed() if each.name == name), None)
+            if shelved is None:
                 raise FieldError(f"there is no picture of the field {name!r}")
-            png = _picture(str(found.file or found.name), found.changed)
+            png = _picture(str(shelved.file or shelved.name), shelved.changed)
         return Response(png, media_type="image/png", headers=KEPT_PICTURE)
 
     @router.get("/api/drawings/{name}/strokes", responses=NO_FIELD)
@@ -129,8 +129,8 @@ def _add_changes(router: APIRouter, shelf: FieldShelf) -> None:
             limit = LARGEST_PICTURE + yaml_bytes if yaml_bytes else LARGEST_DRAWING
             body = await _bounded(request, limit)
             work = partial(shelf.keep, name, body, yaml_bytes=yaml_bytes, replace=replace)
-            told = await run_in_threadpool(work)
-        return KeptFieldMessage(name=name, remarks=[told] if told else [])
+            remark = await run_in_threadpool(work)
+        return KeptFieldMessage(name=name, remarks=[remark] if remark else [])
 
     @router.delete("/api/drawings/{name}", status_code=204, responses=CHANGE)
     def delete(name: str) -> None:

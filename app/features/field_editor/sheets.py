@@ -286,8 +286,8 @@ def _overview(printing: Printing, name: str, own: Catalogue) -> Iterator[str]:
         x, high = left + (sheet.left - xmin) * scale, top - (ymax - sheet.top) * scale
         low = high - height * scale
         corners = [(x, low), (x + width * scale, low), (x + width * scale, high), (x, high)]
-        for (ax, ay), (bx, by) in zip(corners, corners[1:] + corners[:1], strict=True):
-            yield _line(ax, ay, bx, by)
+        for corner, following in zip(corners, corners[1:] + corners[:1], strict=True):
+            yield _line(*corner, *following)
         label = f"({sheet.label})" if sheet.blank else sheet.label
         size = min(8.0, 0.2 * width * scale)
         yield _written(label, x + width * scale / 2 - size, low + height * scale / 2, size)

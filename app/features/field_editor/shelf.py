@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -76,10 +77,10 @@ class FieldShelf:
         Raises:
             CommandError: there is no such field; lists those that exist.
         """
-        found = field_named(name, self.folder)
-        path = Path(found)
+        named = field_named(name, self.folder)
+        path = Path(named)
         own = path.suffix != ""
-        file = path if own else MAPS / f"{found}.svg"
+        file = path if own else MAPS / f"{named}.svg"
         return ShelvedField(name, file if file.is_file() else None, own)
 
     def keep(self, name: str, content: bytes, *, yaml_bytes: int = 0, replace: bool = False) -> str:
@@ -116,13 +117,13 @@ class FieldShelf:
             )
         if not is_portable(name):
             raise FieldFileError(f"Windows takes no file of the name {name}; choose another name")
-        try:
-            there = self.find(name)
-        except CommandError:
-            there = None
-        if there is not None and not (there.own and there.is_drawing and replace):
+        shelved: ShelvedField | None = None
+        with suppress(CommandError):
+            shelved = self.find(name)
+        if shelved is not None and not (shelved.own and shelved.is_drawing and replace):
             raise FieldFileError(f"there is a field {name} already; choose another name")
-        if there is None and self.folder.is_dir() and sum(1 for _ in self.folder.iterdir()) >= MOST:
+        count = len([*self.folder.iterdir()]) if self.folder.is_dir() else 0
+        if shelved is None and count >= MOST:
             raise FieldFileError(
                 f"there are {MOST} files in {self.folder} already; delete some fields first"
             )
@@ -163,14 +164,14 @@ class FieldShelf:
             CommandError: there is no such field.
             FieldFileError: it is not the user's, or cannot be deleted.
         """
-        there = self.find(name)
-        if not there.own or there.file is None:
+        shelved = self.find(name)
+        if not shelved.own or shelved.file is None:
             raise FieldFileError(f"{name} is a field of the program; valid are fields of your own")
         try:
             for ending in (".svg", ".yaml", *set(PICTURE_KINDS.values())):
-                there.file.with_suffix(ending).unlink(missing_ok=True)
+                shelved.file.with_suffix(ending).unlink(missing_ok=True)
         except OSError as error:
-            raise FieldFileError(f"{there.file} cannot be deleted: {error.strerror}") from error
+            raise FieldFileError(f"{shelved.file} cannot be deleted: {error.strerror}") from error
 
 
 def remarks_in(path: Path) -> str:

@@ -21,7 +21,7 @@ import { Numbers } from "./numbers.js";
 const KEY = "brickpose.field_editor";
 const KEYS = /** @type {Record<string, Tool>} */ ({ v: "select", r: "rectangle", o: "circle", l: "line", c: "curve", s: "start" });
 /** How long the robot may take to answer [ms]. */
-const PATIENCE_MS = 60_000;
+const PATIENCE_MS = 120_000;
 
 new Appearance(findButton("theme"), findButton("large-text"));
 offerLanguages(find("language", HTMLSelectElement));
