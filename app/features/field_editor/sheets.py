@@ -134,7 +134,8 @@ def _counts(floor: Box, paper: tuple[float, float], overlap: float) -> tuple[int
 
 def _is_paper(coat: Coat, floor: Box) -> bool:
     """Return whether a coat is a light floor: it is left as the paper is."""
-    whole = shapely.box(*(value / 1000 for value in floor))
+    xmin, ymin, xmax, ymax = floor
+    whole = shapely.box(xmin / 1000, ymin / 1000, xmax / 1000, ymax / 1000)
     covers = shapely.covers(shapely.buffer(coat.layer.area, 1e-6), whole)
     return coat.width is None and coat.layer.grey >= HALF and bool(covers)
 
@@ -166,8 +167,8 @@ def _sheet(printing: Printing, sheet: Sheet, name: str, own: Catalogue) -> Itera
         columns=printing.columns,
         overlap=f"{printing.overlap:g}",
     )
-    yield _written(words, MARGIN, MARGIN + 1.5, 3.2)
-    yield from _ruler(MARGIN + printing.part[0] - RULER, MARGIN + 1.5, own)
+    yield _written(words, MARGIN, MARGIN + 4.6, 2.8)
+    yield from _ruler(MARGIN + printing.part[0] - RULER, MARGIN, own)
 
 
 def _tone(coat: Coat) -> float:
@@ -233,7 +234,7 @@ def _ruler(left: float, y: float, own: Catalogue) -> Iterator[str]:
     for mark in range(0, int(RULER) + 1, 10):
         yield _line(left + mark, y, left + mark, y + (3 if mark % 50 == 0 else 1.5))
     yield "Q"
-    yield _written(own.t("100 mm: measure it"), left + 2, y + 2.6, 2.6)
+    yield _written(own.t("100 mm: measure it"), left - 32, y, 2.8)
 
 
 def _written(words: str, x: float, y: float, size: float) -> str:
@@ -264,7 +265,7 @@ def _overview(printing: Printing, name: str, own: Catalogue) -> Iterator[str]:
     ]
     y = paper_height - MARGIN - 6
     for number, words in enumerate(lines):
-        yield _written(words, MARGIN, y, 5.0 if number == 0 else 3.6)
+        yield _written(words, MARGIN, y, 5.0 if number == 0 else 3.2)
         y -= 8 if number == 0 else 5.5
     room = paper_width - 2 * MARGIN, y - MARGIN
     across = step_x * printing.columns + printing.overlap
