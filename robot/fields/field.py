@@ -150,8 +150,7 @@ class Field:
             xmin, ymin, xmax, ymax = self.extent
             raise FieldError(
                 f"({pose.x:z.3f}, {pose.y:z.3f}) m, {pose.theta:z.3f} rad is not on the field "
-                f"{self.name}; valid is x {xmin:z.3f} to {xmax:z.3f}, "
-                f"y {ymin:z.3f} to {ymax:z.3f} m"
+                f"{self.name}; valid is x {xmin:.3f} to {xmax:.3f}, y {ymin:.3f} to {ymax:.3f} m"
             )
 
     def require_free(self) -> None:

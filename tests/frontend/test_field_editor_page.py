@@ -135,6 +135,7 @@ def test_tape_is_bent_moved_rounded_and_all_of_it_undone(page: Page, folder: Pat
     page.keyboard.press("Control+z")
     expect(page.locator("#stage path.hit[data-stroke]")).to_have_count(0)
     page.keyboard.press("Control+y")
+    expect(page.locator("#stage path.hit[data-stroke]")).to_have_count(1)
     press(page, -400, 200)
     expect(page.locator("#stage .middle")).to_have_count(4)
     drag(page, (0, -400), (0, -600))

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import lru_cache, partial
 from pathlib import Path
+from threading import BoundedSemaphore, Lock
 from typing import Annotated
 
 import cv2
@@ -40,13 +41,15 @@ from robot.fields.field import FieldError
 from robot.fields.field_loading import load_field
 from robot.fields.map_files import MAX_YAML_BYTES
 
-NO_FIELD = refusal(404, "no such field, or no drawing")
+NO_FIELD = refusal(404, "no such field, or no drawing") | refusal(503, "too many ask at once")
 CHANGE = refusal(409, "a name that is taken, or a file that is no field") | refusal(
     413, "a file that is too large"
 )
 DRAWING = content("text/plain") | NO_FIELD
 PICTURE = content("image/png") | NO_FIELD
 SHEETS = content("application/pdf") | NO_FIELD
+MOST_WAITING = 4
+"""Requests that wait for a file to be read; they hold threads that all others need, too."""
 PICTURE_SIDE = 240
 """Longer side of a picture [px]: twice what the page shows, for sharp screens."""
 KEPT_PICTURE = {"Cache-Control": "private, max-age=86400"}
@@ -76,6 +79,8 @@ def field_editor_router(program: Program) -> APIRouter:
 
 
 def _add_views(router: APIRouter, shelf: FieldShelf) -> None:
+    turns = _Turns()
+
     @router.get("/api/drawings/{name}", response_class=Response, responses=DRAWING)
     def drawing(name: str) -> Response:
         """A field's drawing. It is sent as text, so that no browser runs what may be in it."""
@@ -90,13 +95,14 @@ def _add_views(router: APIRouter, shelf: FieldShelf) -> None:
             shelved = next((each for each in shelf.listed() if each.name == name), None)
             if shelved is None:
                 raise FieldError(f"there is no picture of the field {name!r}")
-            png = _picture(str(shelved.file or shelved.name), shelved.changed)
+            with turns.taken():
+                png = _picture(str(shelved.file or shelved.name), shelved.changed)
         return Response(png, media_type="image/png", headers=KEPT_PICTURE)
 
     @router.get("/api/drawings/{name}/strokes", responses=NO_FIELD)
     def strokes(name: str) -> EditableDrawingMessage:
         """A drawing as the editor takes it: strips of tape as lines and arcs."""
-        with _refused(404):
+        with _refused(404), turns.taken():
             return read_apart(editable, _drawing(shelf.find(name)))
 
     @router.get("/api/drawings/{name}/sheets.pdf", response_class=Response, responses=SHEETS)
@@ -108,7 +114,7 @@ def _add_views(router: APIRouter, shelf: FieldShelf) -> None:
     ) -> Response:
         """A drawing at its true size over several sheets, with marks to glue; overlap in mm."""
         language = language_of(request).language
-        with _refused(404):
+        with _refused(404), turns.taken():
             file = _drawing(shelf.find(name))
             printed = read_apart(
                 partial(_sheets, name=name, paper=paper, overlap=overlap, language=language), file
@@ -184,6 +190,29 @@ def _sheets(file: Path, name: str, paper: str, overlap: float, language: str) ->
         return sheets_pdf(laid_out(read_bytes(file), paper, overlap), name, own)
     except SvgError as error:
         raise SheetsError(f"{name}: {error}") from error
+
+
+class _Turns:
+    """Lets files be read one at a time: each costs a process, and who only watches may ask, too."""
+
+    def __init__(self) -> None:
+        self._waiting = BoundedSemaphore(MOST_WAITING)
+        self._reading = Lock()
+
+    @contextmanager
+    def taken(self) -> Iterator[None]:
+        """Wait for a turn.
+
+        Raises:
+            HTTPException: too many wait already.
+        """
+        if not self._waiting.acquire(blocking=False):
+            raise HTTPException(503, "too many drawings are asked for; try again in a moment")
+        try:
+            with self._reading:
+                yield
+        finally:
+            self._waiting.release()
 
 
 @contextmanager

@@ -85,7 +85,6 @@ export function svgOf(drawing, title) {
     `<svg xmlns="http://www.w3.org/2000/svg" width="${rounded(width)}mm" height="${rounded(height)}mm" viewBox="${box}" data-start="${start.map(rounded).join(" ")}"${notes.join("")}>`,
     `  <title>${escaped(title)}</title>`,
     `  <rect x="${rounded(left)}" y="${rounded(-(bottom + height))}" width="${rounded(width)}" height="${rounded(height)}" fill="${colourOf(floor)}"/>`,
-    "  <!-- Inside, y points up as it does in the map. -->",
     '  <g transform="scale(1 -1)" fill="none">',
     ...fills.map(
       ({ rings, grey, opacity }) =>

@@ -125,11 +125,9 @@ class _Walk:
             return () if spot.clips else self._group(element, name, spot)
         if name == "use":
             return self._used(element, spot)
-        if shows_nothing(element, name, spot.style):
-            return ()
-        if name != "text" or spot.clips:
+        if not shows_nothing(element, name, spot.style) and (name != "text" or spot.clips):
             refuse(name)
-        self.texts |= bool("".join(element.itertext()).strip())
+        self.texts |= name == "text" and bool("".join(element.itertext()).strip())
         return ()
 
     def _group(self, element: Element, name: str, spot: _Spot) -> tuple[Shape, ...]:
