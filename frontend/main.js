@@ -17,6 +17,7 @@ import { MapPanel } from "./map/panel.js";
 import { MappingPanel } from "./features/mapping/panel.js";
 import { dismissByKey, dismissByPress } from "./page/boxes.js";
 import { DrawLoop } from "./page/draw_loop.js";
+import { welcomeFiles } from "./page/dropped.js";
 import { find, findButton, findInput } from "./page/elements.js";
 import { FirstStart } from "./page/first_start.js";
 import { offerLanguages, t } from "./page/language.js";
@@ -67,6 +68,7 @@ const firstStart = new FirstStart((compiling) => {
   showLink();
   if (!compiling) connection.hurry();
 });
+welcomeFiles(toasts);
 const record = new RecordButton(order, toasts);
 const recordings = new RecordingsPanel(order, toasts);
 const topBar = new TopBar();

@@ -282,6 +282,47 @@ export interface EdgesMessage {
   tape_width: number | null;
 }
 
+/** A drawing as the editor takes it; lengths in mm, y up, as in the map. */
+export interface EditableDrawingMessage {
+  left: number;
+  bottom: number;
+  width: number;
+  height: number;
+  /** x, y [mm] and heading [degrees] of the robot. */
+  start: [number, number, number];
+  strokes: EditableStrokeMessage[];
+  /** In the order of painting, below all strokes. */
+  fills: EditableFillMessage[];
+  /** Other ``data-`` attributes of the drawing. */
+  kept: Record<string, string>;
+  /** What is not as in the drawing, in words. */
+  remarks: string[];
+}
+
+/** An area of another tone, which the editor keeps as it is. */
+export interface EditableFillMessage {
+  /** Its outlines, x and y [mm] in the map frame: what lies within an odd number is filled. */
+  rings: [number, number][][];
+  grey: number;
+  opacity: number;
+}
+
+/** A strip of tape, of straight lines and arcs. */
+export interface EditableStrokeMessage {
+  /**
+   * x, y [mm] in the map frame, and how far the tape bends on its way to the next node: the
+   * tangent of a quarter of the arc's angle, positive if it turns left; 0 is straight.
+   */
+  nodes: [number, number, number][];
+  closed: boolean;
+  /** [mm] */
+  width: number;
+  /** Brightness, 0 to 255. */
+  grey: number;
+  /** Lengths of dash, gap, ... [mm]; empty if it has none. */
+  dashes: number[];
+}
+
 /** The command was refused, and why. */
 export interface ErrorMessage {
   type: "error";
@@ -322,6 +363,17 @@ export interface FaultsMessage {
   faults: ParameterMessage[];
   /** Values of each named condition of `brickpose evaluate integrity`. */
   conditions: Record<string, Record<string, number | string>>;
+}
+
+/** A field that can be chosen. */
+export interface FieldEntry {
+  name: string;
+  /** Whether it is a file of the user's, which can be deleted. */
+  own: boolean;
+  /** Whether it is a drawing, which can be edited and printed; others have a picture only. */
+  drawing: boolean;
+  /** When its file was written [s since 1970]; 0 where there is none. */
+  changed: number;
 }
 
 /** The field, the robot on it, and limits: a page needs them once, and again after a calibration. */
@@ -609,6 +661,13 @@ export interface JoinStrokesCommand {
   other: number;
   /** Of that drawing. */
   version: number;
+}
+
+/** A file that was kept among the user's fields. */
+export interface KeptFieldMessage {
+  name: string;
+  /** What of the file is no part of the field, in words. */
+  remarks: string[];
 }
 
 /** How the scan fits all over the field, at one heading. */

@@ -17,8 +17,8 @@ Text = str | tuple[str, str]
 TELLING = (
     "app/features/course/sandbox/student_process.py", "app/engine", "app/messages/commands.py",
     "app/messages/message.py", "app/page",
-    "app/features/calibration", "app/features/kept_pose", "app/features/mapping",
-    "app/features/navigation",
+    "app/features/calibration", "app/features/field_editor", "app/features/kept_pose",
+    "app/features/mapping", "app/features/navigation",
     "app/features/own_models",
     "app/features/recordings", "app/features/weighing",
     "app/result_files.py", "app/settings/conditions.py", "app/settings/faults.py",

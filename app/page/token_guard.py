@@ -22,7 +22,7 @@ from app.settings.config import FRONTEND
 
 SUBPROTOCOL = "brickpose.token."
 """A websocket's subprotocol of this beginning brings a token: browsers cannot set its headers."""
-PAGES = re.compile(r"/|/lens|/learn(/\d+)?|/help(/[\w.]*)?")
+PAGES = re.compile(r"/|/lens|/field_editor|/learn(/\d+)?|/help(/[\w.]*)?")
 """Where people without a token are asked for it."""
 READING = frozenset(["GET", "HEAD", "OPTIONS"])
 LOOKING = "/api/view/"

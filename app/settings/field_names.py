@@ -33,7 +33,9 @@ def field_named(name: str, saved: Path) -> str:
 
 
 def _loadable(saved: Path) -> dict[str, str]:
-    own = {path.stem: str(path) for path in sorted(saved.glob("*.svg"))}
+    reads = any(source.has("map.yaml") for source in added().fields)
+    maps = sorted(saved.glob("*.yaml")) if reads else []
+    own = {path.stem: str(path) for path in (*maps, *sorted(saved.glob("*.svg")))}
     return {name: name for name in field_names(MAPS)} | own
 
 

@@ -1,6 +1,7 @@
 // @ts-check
 import { ParameterRow } from "../filter/row.js";
 import { find, findButton, make, setText } from "../page/elements.js";
+import { typed } from "../page/format.js";
 import { t, tn } from "../page/language.js";
 import { getJson } from "../wire/http.js";
 
@@ -91,7 +92,7 @@ export class Faults {
   follow({ faults: wrong, engine }) {
     this.#forces.hidden = engine !== null;
     const count = Object.keys(wrong).length;
-    const words = Object.entries(wrong).map(([name, value]) => `${this.#names[name] ?? name} ${value}`);
+    const words = Object.entries(wrong).map(([name, value]) => `${this.#names[name] ?? name} ${typeof value === "number" ? typed(value) : value}`);
     const text = words.join(", ");
     if (text === this.#shown) return;
     this.#shown = text;

@@ -1,7 +1,7 @@
 // @ts-check
 import { t, translated } from "../page/language.js";
 import { make, setText } from "../page/elements.js";
-import { readNumber } from "../page/format.js";
+import { readNumber, typed } from "../page/format.js";
 import { STEPS, SliderScale } from "./slider.js";
 import { readAs } from "./units.js";
 
@@ -37,7 +37,7 @@ export class ParameterRow {
       code,
     );
     const about = make("p", { class: "meaning", id: `meaning-${name}` }, meaning);
-    this.#back.setAttribute("aria-label", t("Set {name} back to its default, {value}", { name, value: String(parameter.default) }));
+    this.#back.setAttribute("aria-label", t("Set {name} back to its default, {value}", { name, value: this.#words(parameter.default) }));
     this.#back.title = t("default: {value}", { value: this.#words(parameter.default) });
     this.#back.onclick = () => this.#change(parameter.default);
     this.show = this.#control();
@@ -134,7 +134,7 @@ export class ParameterRow {
     this.element.append(slider, field, make("span", { class: "unit" }, unit));
     return (/** @type {Value} */ value) => {
       if (document.activeElement !== slider) slider.value = String(scale.toSlider(Number(value)));
-      field.value = String(Number((Number(value) * factor).toPrecision(6)));
+      field.value = typed(Number((Number(value) * factor).toPrecision(6)));
       slider.setAttribute("aria-valuetext", this.#words(value));
     };
   }
@@ -149,7 +149,7 @@ export class ParameterRow {
   #words(value) {
     if (typeof value !== "number") return String(value);
     const { unit, factor } = readAs(this.parameter.unit);
-    return `${Number((value * factor).toPrecision(4))} ${unit}`.trim();
+    return `${typed(Number((value * factor).toPrecision(4)))} ${unit}`.trim();
   }
 }
 

@@ -34,6 +34,9 @@ export function plain(value, digits = 0) {
   return shown.replace(".", point);
 }
 
+/** All digits that a number has, to be read and typed over, with the language's decimal sign. @param {number} value */
+export const typed = (value) => String(value).replace(".", point);
+
 /**
  * The number that somebody typed, with a decimal point or comma; NaN if it is none, or may be two.
  * @param {string} text

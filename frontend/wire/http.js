@@ -28,12 +28,13 @@ export async function send(address, method, body) {
 /**
  * Ask for a change that has an answer.
  * @template T
- * @param {string} address @param {string} method @param {object} content
+ * @param {string} address @param {string} method @param {object} content a file, or what is sent as JSON
  * @returns {Promise<T>}
  */
 export async function sendJson(address, method, content) {
-  const headers = { "Content-Type": "application/json" };
-  const answer = await fetch(address, { method, body: JSON.stringify(content), headers });
+  const file = content instanceof Blob;
+  const headers = file ? undefined : { "Content-Type": "application/json" };
+  const answer = await fetch(address, { method, body: file ? content : JSON.stringify(content), headers });
   if (!answer.ok) throw new HttpError(await reason(answer));
   return answer.json();
 }
@@ -45,7 +46,9 @@ async function reason(answer) {
     const { detail } = JSON.parse(text);
     if (typeof detail === "string") return detail;
   } catch {
-    // Not JSON: the status says enough.
+    // Not JSON: a line of plain text, as the server's guards write, or the status, says enough.
+    if (text === "This token only watches.") return t("This token only watches.");
+    if (answer.headers.get("content-type")?.startsWith("text/plain") && text.length < 200) return text;
   }
   return t("the server answered {status}", { status: answer.status });
 }

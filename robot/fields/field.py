@@ -149,7 +149,7 @@ class Field:
         if not self.contains(pose):
             xmin, ymin, xmax, ymax = self.extent
             raise FieldError(
-                f"({pose.x:.3f}, {pose.y:.3f}) m, {pose.theta:.3f} rad is not on the field "
+                f"({pose.x:z.3f}, {pose.y:z.3f}) m, {pose.theta:z.3f} rad is not on the field "
                 f"{self.name}; valid is x {xmin:.3f} to {xmax:.3f}, y {ymin:.3f} to {ymax:.3f} m"
             )
 

@@ -9,7 +9,8 @@ wide as its stroke, with its caps, joins and dashes. So is a light stroke on a d
 Fills belong to the floor picture only. They give the floor its tone. On a light floor a **dark fill
 is clutter**: the camera sees it, and the edge map does not contain it.
 
-``data-start="x y theta"`` (mm, mm, degrees; y up) on the ``<svg>`` is the start pose;
+``data-start="x y theta"`` (mm, mm, degrees; y up) on the ``<svg>`` is the start pose, by default
+the drawing's own (0, 0), or the page's middle if that is on its border;
 ``data-tape="50"`` says how wide the tape is, where one could doubt it (``question``). A map that
 was drawn by driving has ``data-seen``: which of the floor was looked at.
 """
@@ -99,7 +100,7 @@ def _painted(page: Page, name: str) -> Field:
         floor=paint(extent, [coat.layer for coat in coats]),
         edges=outline(area),
         tape=tape.kinds,
-        start=_start(page.start),
+        start=_start(page.start, extent),
         notes=page.notes,
         seen=_seen(page.notes.get(SEEN, "")),
     )
@@ -138,13 +139,21 @@ def _extent(page: Page) -> Extent:
     return left, top - page.size.height / 1000, left + page.size.width / 1000, top
 
 
-def _start(text: str) -> Pose2:
+def _start(text: str, extent: Extent) -> Pose2:
+    xmin, ymin, xmax, ymax = extent
     if not text.strip():
-        return Pose2()
+        # Where the origin is a corner of the page, as Inkscape's, nobody means to start there.
+        inside = min(-xmin, xmax, -ymin, ymax) > MERGED_M
+        return Pose2() if inside else Pose2((xmin + xmax) / 2, (ymin + ymax) / 2)
     values = numbers(text)
     if values is None or len(values) != 3:
         raise SvgError(f"data-start is {shown(text)}; valid are x [mm], y [mm], theta [degrees]")
     x, y, degrees = values
+    if not ymin <= y / 1000 <= ymax and ymin <= -y / 1000 <= ymax:
+        raise SvgError(
+            f"data-start is {shown(text)}, which is not on the floor: its y points up, and that of "
+            f"drawing programs down; was {x:g} {-y:g} {-degrees:z.6g} meant?"
+        )
     return Pose2(x / 1000, y / 1000, math.radians(degrees))
 
 

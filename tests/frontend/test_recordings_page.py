@@ -90,3 +90,16 @@ def test_a_replay_finds_what_the_page_recorded_by_its_name(tmp_path, monkeypatch
     assert recording_path(Path("kept")) == folder / "kept"
     assert recording_path(Path("kept_0.mcap")) == folder / "kept"
     assert recording_path(tmp_path) == tmp_path
+
+
+def test_a_parameter_is_typed_and_shown_with_the_languages_decimal_sign(page, server):
+    field = page.locator("input[name=z_rand][type=text]")
+    field.fill("0,25")
+    field.press("Enter")
+    expect(page.locator("[data-changed=true] input[name=z_rand][type=text]")).to_have_count(1)
+    expect(field).to_have_value("0,25")
+    page.reload()
+    expect(field).to_have_value("0,25")
+    with urlopen(f"{server.url}/api/parameters") as answer:
+        values = {row["name"]: row["value"] for row in json.load(answer)}
+    assert values["z_rand"] == 0.25

@@ -1,6 +1,7 @@
 // @ts-check
 import { find, findButton, findInput, make } from "../../page/elements.js";
 import { t } from "../../page/language.js";
+import { takeFiles } from "../../page/dropped.js";
 import { Popover } from "../../page/popover.js";
 import { getJson, send } from "../../wire/http.js";
 import { recordingRow } from "./row.js";
@@ -23,8 +24,7 @@ export class RecordingsPanel {
     this.toasts = toasts;
     this.#back.onclick = () => order({ type: "close_recording" });
     this.#file.onchange = () => this.#take([...(this.#file.files ?? [])]);
-    addEventListener("dragover", (event) => event.preventDefault());
-    addEventListener("drop", (event) => this.#drop(event));
+    takeFiles([".mcap"], () => t("recordings (.mcap)"), (files) => this.#take(files));
   }
 
   /** @param {ReplayMessage | null} replay */
@@ -56,12 +56,6 @@ export class RecordingsPanel {
   /** @param {string} name */
   remove(name) {
     return this.#ask(name, "DELETE");
-  }
-
-  /** @param {DragEvent} event */
-  #drop(event) {
-    event.preventDefault();
-    this.#take([...(event.dataTransfer?.files ?? [])]);
   }
 
   /** Take files into the recordings of this computer. @param {File[]} files */

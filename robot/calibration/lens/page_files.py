@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from xml.sax.saxutils import escape
 
 from robot.calibration.lens.board_page import FilledPolygon, PrintedPage
@@ -31,29 +32,40 @@ def svg(page: PrintedPage) -> str:
 
 
 def pdf(page: PrintedPage) -> bytes:
-    """Return the page as PDF 1.4: filled polygons, and text in a font that every reader has."""
-    content = "\n".join([*_painted(page), *_written(page)]).encode("ascii")
-    box = f"[0 0 {page.width * POINTS:.4f} {page.height * POINTS:.4f}]"
+    """Return the page as PDF: filled polygons, and text."""
+    content = "\n".join([*_painted(page), *_written(page)])
+    return pdf_document([(page.width, page.height, content)])
+
+
+def pdf_document(pages: Sequence[tuple[float, float, str]]) -> bytes:
+    """Return a PDF 1.4 of pages: width and height [mm], and operators that paint it, in points.
+
+    The font ``/F`` is Helvetica, which every reader has, with the characters of Latin-1.
+    """
+    kids = " ".join(f"{4 + 2 * number} 0 R" for number in range(len(pages)))
     objects = [
         # Readers then offer to print at the true size, and not to fit the paper.
         b"<< /Type /Catalog /Pages 2 0 R /ViewerPreferences << /PrintScaling /None >> >>",
-        b"<< /Type /Pages /Kids [3 0 R] /Count 1 >>",
-        f"<< /Type /Page /Parent 2 0 R /MediaBox {box} /Contents 4 0 R "
-        "/Resources << /Font << /F 5 0 R >> >> >>".encode("ascii"),
-        b"<< /Length %d >>\nstream\n%s\nendstream" % (len(content), content),
-        b"<< /Type /Font /Subtype /Type1 /BaseFont /Helvetica >>",
+        f"<< /Type /Pages /Kids [{kids}] /Count {len(pages)} >>".encode("ascii"),
+        b"<< /Type /Font /Subtype /Type1 /BaseFont /Helvetica /Encoding /WinAnsiEncoding >>",
     ]
-    result, places = b"%PDF-1.4\n", []
+    for width, height, operators in pages:
+        box = f"[0 0 {width * POINTS:.4f} {height * POINTS:.4f}]"
+        content = operators.encode("latin-1", "replace")
+        objects += [
+            f"<< /Type /Page /Parent 2 0 R /MediaBox {box} /Contents {len(objects) + 2} 0 R "
+            "/Resources << /Font << /F 3 0 R >> >> >>".encode("ascii"),
+            b"<< /Length %d >>\nstream\n%s\nendstream" % (len(content), content),
+        ]
+    result, places = bytearray(b"%PDF-1.4\n"), []
     for number, body in enumerate(objects, 1):
         places.append(len(result))
         result += b"%d 0 obj\n%s\nendobj\n" % (number, body)
     table = b"".join(b"%010d 00000 n \n" % place for place in places)
-    count = len(objects) + 1
-    return (
-        result
-        + b"xref\n0 %d\n0000000000 65535 f \n%s" % (count, table)
-        + b"trailer\n<< /Size %d /Root 1 0 R >>\nstartxref\n%d\n%%%%EOF\n" % (count, len(result))
-    )
+    count, begin = len(objects) + 1, len(result)
+    result += b"xref\n0 %d\n0000000000 65535 f \n%s" % (count, table)
+    result += b"trailer\n<< /Size %d /Root 1 0 R >>\nstartxref\n%d\n%%%%EOF\n" % (count, begin)
+    return bytes(result)
 
 
 def _painted(page: PrintedPage) -> list[str]:

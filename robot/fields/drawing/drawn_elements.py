@@ -20,7 +20,6 @@ UNDRAWN = (
 
 _DRAWN = ("g", "svg", "a", "switch", "use", *outlines.SHAPES)
 _CURES = {
-    "text": "turn it into a path, or hide it",
     "image": "trace it, or hide it",
     "foreignObject": "turn what is in it into paths, or hide it",
 }
@@ -42,8 +41,6 @@ def is_meant(element: Element) -> bool:
 
 def shows_nothing(element: Element, name: str, style: Style) -> bool:
     """Return whether a browser shows nothing of an element that is not understood."""
-    if name == "text":
-        return not "".join(element.itertext()).strip()
     if name == "image" and not link_of(element):
         return True
     return style["visibility"] != "visible" and not len(element)

@@ -22,39 +22,22 @@ PEN_MM = 2.2
 TAPE_MM = 50.0
 """Width of tape that a hairline is given in examples [mm]."""
 
+LEFT_OUT = "left-out"
+"""A field's note on what of its drawing is not on the floor, in words."""
+TEXTS = "text in the drawing is no tape, and left out; as a path it would be on the floor"
 ANSWER = "data-tape"
 """The attribute of the <svg> that says how wide the tape is: the answer to the question."""
 
 _MEANT = {
-    "points": INCH_MM / 72,
-    "pixels": INCH_MM / 96,
-    "dots at 300 dpi": INCH_MM / 300,
-    "dots at 600 dpi": INCH_MM / 600,
-    "dots at 150 dpi": INCH_MM / 150,
-    "millimetres": 1.0,
-    "centimetres": 10.0,
-    "inches": INCH_MM,
-    "metres": 1000.0,
-}
+    "points": INCH_MM / 72, "pixels": INCH_MM / 96, "dots at 300 dpi": INCH_MM / 300,
+    "dots at 600 dpi": INCH_MM / 600, "dots at 150 dpi": INCH_MM / 150, "millimetres": 1.0,
+    "centimetres": 10.0, "inches": INCH_MM, "metres": 1000.0,
+}  # fmt: skip
 """Units that programs draw in [mm]; the first that fits is asked about."""
 
 _ROLLS_MM = (
-    12.0,
-    15.0,
-    19.0,
-    20.0,
-    24.0,
-    25.0,
-    25.4,
-    30.0,
-    36.0,
-    38.0,
-    40.0,
-    48.0,
-    50.0,
-    50.8,
-    75.0,
-)
+    12.0, 15.0, 19.0, 20.0, 24.0, 25.0, 25.4, 30.0, 36.0, 38.0, 40.0, 48.0, 50.0, 50.8, 75.0,
+)  # fmt: skip
 """Widths in which tape is sold [mm]."""
 
 

@@ -1,7 +1,7 @@
 """Walks through a drawing as a browser paints it, and returns its shapes.
 
-What a browser would paint and this program cannot (text, pictures, gradients, masks ...) is refused
-by name. What a browser does not paint is passed over, whatever it is.
+What a browser would paint and this program cannot (pictures, gradients, masks ...) is refused by
+name; text is left out, and noted. What a browser does not paint is passed over, whatever it is.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import shapely
 
 from robot.fields.drawing import outlines
 from robot.fields.drawing.drawn_elements import UNDRAWN, is_meant, refuse, shows_nothing
-from robot.fields.drawing.question import ANSWER
+from robot.fields.drawing.question import ANSWER, LEFT_OUT, TEXTS
 from robot.fields.drawing.selectors import Element, local_name
 from robot.fields.drawing.shapes import MAX_MM, Fade, Page, Shape, scale_of, unit_box
 from robot.fields.drawing.strokes import Pen, Polyline
@@ -69,7 +69,8 @@ def read_page(root: Element, tolerance: float) -> Page:
         background=background if isinstance(background, Ink) else None,
         start=root.get("data-start", ""),
         tape=root.get(ANSWER, ""),
-        notes={name: text for name, text in root.items() if name.startswith("data-")},
+        notes=dict.fromkeys([LEFT_OUT] if walk.texts else [], TEXTS)
+        | {name: text for name, text in root.items() if name.startswith("data-")},
         hairlines=walk.hairlines,
     )
 
@@ -83,6 +84,7 @@ class _Walk:
         self._pixel = pixel
         self.hairlines = False
         """Whether lines had strokes of no width."""
+        self.texts = False
         self._elements = self._points = self._groups = 0
         self._clips: dict[tuple[str, bytes], shapely.Geometry] = {}
 
@@ -123,7 +125,10 @@ class _Walk:
             return () if spot.clips else self._group(element, name, spot)
         if name == "use":
             return self._used(element, spot)
-        return () if shows_nothing(element, name, spot.style) else refuse(name)
+        if not shows_nothing(element, name, spot.style) and (name != "text" or spot.clips):
+            refuse(name)
+        self.texts |= name == "text" and bool("".join(element.itertext()).strip())
+        return ()
 
     def _group(self, element: Element, name: str, spot: _Spot) -> tuple[Shape, ...]:
         if name in ("g", "a"):

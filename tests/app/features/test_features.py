@@ -54,6 +54,7 @@ NAMES = [
     "control",
     "course",
     "faults",
+    "field_editor",
     "grid_filter",
     "interface",
     "kalman_filter",

@@ -38,14 +38,18 @@ def saved(tmp_path):
 
 def test_the_page_lists_drawings_saved_maps_and_an_example_of_those_that_are_made(saved):
     names = listed_fields(saved)
-    assert {"square", "town", "kitchen"} <= set(names)
+    assert {"square", "town", "kitchen", "office"} <= set(names)
     assert names[-1] == "generated-17"
-    assert "office" not in names
 
 
 def test_a_name_is_what_load_field_takes(saved):
     assert field_named("square", saved) == "square"
     assert field_named("kitchen", saved) == str(saved / "kitchen.svg")
+    assert field_named("office", saved) == str(saved / "office.yaml")
+    save_map_yaml(
+        OccupancyGrid(np.array([[0, 100]], np.int8), 0.5, Pose2()), saved / "kitchen.yaml"
+    )
+    assert field_named("kitchen", saved) == str(saved / "kitchen.svg"), "the drawing comes first"
     assert field_named("generated-4294967295", saved) == "generated-4294967295"
 
 
@@ -67,6 +71,7 @@ def test_what_a_feature_makes_is_refused_without_it_by_its_name(saved):
     plug_in(find_features(["lab", "ros"]))
     path = str(saved / "office.yaml")
     assert listed_fields(saved)[-1] == "kitchen"
+    assert "office" not in listed_fields(saved)
     with pytest.raises(CommandError, match=r"'generated-17'; .*kitchen; without lab; without ros$"):
         field_named("generated-17", saved)
     for name in ("generated-17", path):

@@ -68,7 +68,7 @@ def page(content, attributes=""):
         (page(f'<circle r="1e3" transform="scale(1e6)" {TAPE}/>'), "more than 20000 lines"),
         (page(f'<path d="M0 0{"h1v1" * 10_001}" {TAPE}/>'), "more than 20000 points"),
         (page(f'<path d="M0 0h1v1" transform="scale(1e5 1e-5)" {TAPE}/>'), "5e+06 mm wide"),
-        (page('<text x="0" y="0">hello</text>'), "turn it into a path"),
+        (page('<text x="0" y="0">hello</text>'), "there is no tape"),
         (page('<image href="a.png"/>'), "'image' is not understood"),
         (page('<use href="#nothing"/>'), "the id of an element"),
         (page('<g id="a"><use href="#a"/></g>'), "nested"),
@@ -78,6 +78,11 @@ def page(content, attributes=""):
         (page(f'<path d="M0 0h100" {TAPE}/>', 'data-start="1 2"'), "data-start is '1 2'"),
         (page(f'<path d="M0 0h100" {TAPE}/>', 'data-start="nan 0 0"'), "data-start"),
         (page(f'<path d="M0 0h100" {TAPE}/>', 'data-start="9000 0 0"'), "not on the field"),
+        (
+            f'<svg {SVG} viewBox="0 0 900 900" data-start="500 300 90">'
+            f'<path d="M0 9h99" {TAPE}/></svg>',
+            "its y points up, and that of drawing programs down; was 500 -300 -90 meant?",
+        ),
         (f'<svg {SVG} width="0" height="5"/>', "the drawing is 0 x 5 mm"),
         (f'<svg {SVG} width="1e9" height="500"/>', "valid is 10 to 100000"),
         (f'<svg {SVG} width="nan" height="500"/>', "width is 'nan'"),
