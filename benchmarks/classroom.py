@@ -13,6 +13,7 @@ import json
 import math
 import os
 import statistics
+import subprocess
 import sys
 import tempfile
 import threading
@@ -87,6 +88,11 @@ class StudentClient:
                     return
                 live.send(json.dumps({"type": "drive", "v": 0.15, "omega": 0.3}))
 
+    def is_asleep(self) -> bool:
+        """Whether the robot sleeps; to ask does not wake it."""
+        with self._opener.open(f"{self._page}classroom", timeout=PATIENCE_S) as answer:
+            return bool(json.load(answer)["asleep"])
+
     def stay(self, ended: threading.Event, delays: list[float], stamps: list[float]) -> None:
         """Drive in circles and take pictures until it ends; note the delay of clicks [s]."""
         with self.socket("api/live?rate=30") as live, self.socket("api/camera") as camera:
@@ -118,7 +124,7 @@ def main() -> int:
     parser.add_argument("--students", type=int, default=12)
     parser.add_argument("--port", type=int, default=8950)
     options = parser.parse_args()
-    with _class(options.students, options.port) as (address, folder):
+    with _class(options.students, options.port) as (running, address, folder):
         keys = json.loads((folder / "keys.json").read_text())
         logins = [login for login in keys if login != "teacher"]
         students = [StudentClient(address, login, keys[login]) for login in logins]
@@ -137,7 +143,7 @@ def main() -> int:
         everything = sum(_memory(pid, "Pss") for pid in {*before, *own})
         _say(f"warm parent and {len(students)} students together", everything, "MB")
         _awake(students, own)
-        _asleep(students, own)
+        _asleep(students, own, _descendants(running.pid))
     return 0
 
 
@@ -162,16 +168,23 @@ def _awake(students: list[StudentClient], own: list[int]) -> None:
     _say("  between two messages of telemetry, p99", _p95(gaps, 0.99) * 1000, "ms")
 
 
-def _asleep(students: list[StudentClient], own: list[int]) -> None:
-    time.sleep(3.0)
-    begun, work = time.monotonic(), _seconds(own)
+def _asleep(students: list[StudentClient], own: list[int], hub: list[int]) -> None:
+    end = time.monotonic() + PATIENCE_S
+    while not all(student.is_asleep() for student in students):
+        if time.monotonic() > end:
+            raise TimeoutError("a robot that nobody looks at does not sleep")
+        time.sleep(1.0)
+    time.sleep(2.0)  # what ends with the last look
+    begun, work, around = time.monotonic(), _seconds(own), _seconds(hub)
     time.sleep(QUIET_S)
-    share = (_seconds(own) - work) / (time.monotonic() - begun) / len(students)
+    seconds = time.monotonic() - begun
+    share = (_seconds(own) - work) / seconds / len(students)
     _say("nobody looks: processor of each", share * 100, "% of a core")
+    _say("  hub, proxy and wall together", (_seconds(hub) - around) / seconds * 100, "% of a core")
 
 
 @contextmanager
-def _class(count: int, port: int) -> Iterator[tuple[str, Path]]:
+def _class(count: int, port: int) -> Iterator[tuple[subprocess.Popen[str], str, Path]]:
     with ExitStack() as stack:
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
         folder.chmod(0o711)
@@ -179,9 +192,9 @@ def _class(count: int, port: int) -> Iterator[tuple[str, Path]]:
         names.write_text("\n".join(f"student {n}" for n in range(count)), encoding="utf-8")
         words = ("class", str(names), "--host", "127.0.0.1", "--port", str(port))
         begun = time.monotonic()
-        _, address = stack.enter_context(started(*words, says=r"students at (http://\S+)"))
+        running, address = stack.enter_context(started(*words, says=r"students at (http://\S+)"))
         _say(f"command until {count} links hold", time.monotonic() - begun, "s")
-        yield address, names.with_suffix(".class")
+        yield running, address, names.with_suffix(".class")
 
 
 def _processes(folder: Path) -> list[int]:
@@ -195,6 +208,16 @@ def _processes(folder: Path) -> list[int]:
     return pids
 
 
+def _descendants(pid: int) -> list[int]:
+    """Return the hub, its proxy and its services: what the class's command has begun."""
+    found = [pid]
+    for each in found:
+        with suppress(OSError):
+            for task in Path(f"/proc/{each}/task").iterdir():
+                found += map(int, (task / "children").read_text().split())
+    return found[1:]
+
+
 def _memory(pid: int, kind: str) -> float:
     try:
         lines = Path(f"/proc/{pid}/smaps_rollup").read_text().splitlines()
@@ -204,12 +227,13 @@ def _memory(pid: int, kind: str) -> float:
 
 
 def _seconds(pids: list[int]) -> float:
-    ticks = 0
+    """Return the processor time of all threads [s], to the nanosecond: sleepers work in crumbs."""
+    total = 0
     for pid in pids:
         with suppress(OSError):
-            fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
-            ticks += int(fields[11]) + int(fields[12])
-    return ticks / os.sysconf("SC_CLK_TCK")
+            for task in Path(f"/proc/{pid}/task").iterdir():
+                total += int((task / "schedstat").read_text().split()[0])
+    return total / 1e9
 
 
 def _p95(values: list[float], share: float = 0.95) -> float:

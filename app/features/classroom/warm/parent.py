@@ -6,6 +6,7 @@ copy goes on as a program does that has just imported everything.
 
 from __future__ import annotations
 
+import ctypes
 import gc
 import importlib
 import json
@@ -27,6 +28,8 @@ from app.features.classroom.warm.request import LONGEST, CopyRequest
 STEPS = 20
 """Ticks that a robot is driven before, so that what is made at a first tick is shared, too."""
 ALONE_S = 10.0
+THP_DISABLE = 41
+"""``prctl``: no huge pages. NumPy asks for them, and a byte that is written then costs 2 MB."""
 LOG = "brickpose.log"
 ROOMS = ("app.engine", "app.page", "app.messages", "app.languages", "app.settings", "app.features")
 COLD = (
@@ -175,5 +178,6 @@ def get_warm() -> None:
 
 
 if __name__ == "__main__":
+    ctypes.CDLL(None).prctl(THP_DISABLE, 1, 0, 0, 0)  # copies inherit it
     get_warm()
     WarmParent(Path(sys.argv[1])).serve()
