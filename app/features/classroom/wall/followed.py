@@ -33,6 +33,8 @@ class FollowedServer:
     token: str
     telemetry: dict[str, Any] = field(default_factory=dict)
     desk: dict[str, Any] = field(default_factory=dict)
+    progress: dict[str, Any] = field(default_factory=dict)
+    """Numbers of the lesson at hand, and of those that were begun and have passed."""
     field_name: str = ""
     area: dict[str, Any] = field(default_factory=dict)
     """``/api/field`` of the newest field."""
@@ -73,6 +75,7 @@ class FollowedServer:
             return
         self._slept, self._asked = self.telemetry, stamp
         self.desk = await self.ask("classroom") or {}
+        self.progress = await self.ask("api/progress") or {}
         name = str(self.telemetry.get("map", ""))
         if name and name != self.field_name:
             self.area = await self.ask("api/field") or {}
@@ -105,7 +108,14 @@ class FollowedServer:
     async def read(self, path: str, body: dict[str, Any] | None = None) -> bytes | None:
         """Return what the server has at a path; None if it has nothing."""
         data = None if body is None else json.dumps(body).encode()
-        request = Request(self.address + path, data, self.headers)
+        return await self._fetched(Request(self.address + path, data, self.headers))
+
+    async def put(self, path: str, content: bytes) -> bool:
+        """Put something to a path of the server; return whether it was taken."""
+        request = Request(self.address + path, content, self.headers, method="PUT")
+        return await self._fetched(request) is not None
+
+    async def _fetched(self, request: Request) -> bytes | None:
 
         def fetched() -> bytes | None:
             try:

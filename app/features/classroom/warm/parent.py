@@ -22,8 +22,9 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from app.features.classroom.warm.confinement import confine
-from app.features.classroom.warm.request import LONGEST, CopyRequest
+from app.features.classroom.warm.confinement import MOST_FILE, confine
+from app.features.classroom.warm.request import ENDED, LONGEST, CopyRequest
+from app.features.classroom.warm.watch import LOOK_S, ClassWatch
 
 STEPS = 20
 """Ticks that a robot is driven before, so that what is made at a first tick is shared, too."""
@@ -65,6 +66,7 @@ class WarmParent:
 
     def __init__(self, place: Path) -> None:
         self._place = place
+        self._watch = ClassWatch()
 
     def serve(self) -> None:
         """Copy this process at each request; returns in a copy only, by ending it."""
@@ -76,8 +78,18 @@ class WarmParent:
             listening.bind(str(self._place))
             os.umask(mask)
             listening.listen(64)
+            next_look = time.monotonic() + LOOK_S
             while True:
-                connection, _ = listening.accept()
+                # Many who ask must not keep it from looking, nor the other way round.
+                listening.settimeout(max(next_look - time.monotonic(), 0.0) or 0.001)
+                connection = None
+                with suppress(TimeoutError):
+                    connection, _ = listening.accept()
+                if time.monotonic() >= next_look:
+                    self._watch.look()
+                    next_look = time.monotonic() + LOOK_S
+                if connection is None:
+                    continue
                 with connection:
                     connection.settimeout(5.0)
                     with suppress(OSError):
@@ -90,6 +102,10 @@ class WarmParent:
             return  # who only asks whether this is there
         try:
             request = CopyRequest.from_json(json.loads(line))
+            confinement = request.confinement
+            self._watch.clear(confinement)
+            longest = self._watch.longest_file(confinement, MOST_FILE)
+            told = self._watch.ended.pop(confinement.home, "")
             pid = os.fork()
         except (OSError, ValueError, TypeError, KeyError) as error:
             connection.sendall(json.dumps({"error": str(error)}).encode() + b"\n")
@@ -97,11 +113,12 @@ class WarmParent:
         if not pid:
             listening.close()
             connection.close()
-            _become(request)
+            _become(request, longest, told)
+        self._watch.begin(pid, confinement)
         connection.sendall(json.dumps({"pid": pid}).encode() + b"\n")
 
 
-def _become(request: CopyRequest) -> None:
+def _become(request: CopyRequest, longest_file: int, told: str) -> None:
     """Be the program of a request, until it ends, and this process with it."""
     code = 1
     try:
@@ -110,9 +127,9 @@ def _become(request: CopyRequest) -> None:
             signal.signal(each, signal.SIG_DFL)
         signal.signal(signal.SIGINT, signal.default_int_handler)
         os.environ.clear()
-        os.environ.update(request.environment)
+        os.environ.update({**request.environment, ENDED: told})
         os.chdir(request.folder)
-        confine(request.confinement)
+        confine(request.confinement, longest_file)
         _use_log(Path(request.folder, LOG))
         sys.argv = ["brickpose", *request.words]
         # By its name: it is above this room.

@@ -19,6 +19,8 @@ READY_S = 60.0
 """Time for the warm parent to be warm [s]: it imports everything, and steps two robots."""
 ANSWER_S = 10.0
 LONGEST = 1 << 20
+ENDED = "BRICKPOSE_CLASS_ENDED"
+"""In the environment of a copy: why the one before it was ended, in words."""
 SMALL = {
     "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "MALLOC_ARENA_MAX": "1",
     "MALLOC_MMAP_THRESHOLD_": str(1 << 18), "MALLOC_TRIM_THRESHOLD_": str(1 << 20),
@@ -43,11 +45,13 @@ class Confinement:
     number: int
     """The student's number in the hub; as root, each has a user of the system's of this number."""
     memory: int
-    """Most memory of each of its processes [bytes]; 0 is no limit."""
+    """Most memory of its processes together, and of each [bytes]; 0 is no limit."""
     own_port: int
     """The TCP port that it listens on."""
     hub_port: int
     """The only other one that it reaches."""
+    disk: int = 0
+    """Most room of its folder on the disk [bytes]; 0 is no limit."""
 
 
 @dataclass(frozen=True)

@@ -87,10 +87,10 @@ def test_whoever_needs_each_tick_gets_each_once():
 def test_a_process_that_is_held_still_wakes_nobody_and_is_there_at_once_when_it_goes_on():
     with served() as (program, _):
         control = program.process.process.pid
-        until(lambda: program.engine.latest.get())
+        until(program.engine.latest.get)
         os.kill(control, signal.SIGSTOP)
         program.engine.hold(True)
-        last = until(lambda: program.engine.latest.get())
+        last = until(program.engine.latest.get)
         before = _switches()
         threading.Event().wait(2.0)
         assert _switches() - before < 20  # sixty of the two threads, if each looked as usual
