@@ -69,9 +69,7 @@ class StudentClient:
     def socket(self, path: str) -> ClientConnection:
         """Open a socket of the page."""
         cookies = "; ".join(
-            f"{each.name}={each.value}"
-            for each in self._jar
-            if self._path.startswith(each.path)
+            f"{each.name}={each.value}" for each in self._jar if self._path.startswith(each.path)
         )
         place = self._page.replace("http", "ws", 1) + path
         headers = {"Cookie": cookies}
@@ -280,12 +278,12 @@ def _processes(folder: Path) -> list[int]:
 
 def _descendants(pid: int) -> list[int]:
     """Return the hub, its proxy and its services: what the class's command has begun."""
-    found = [pid]
-    for each in found:
+    pids = [pid]
+    for each in pids:
         with suppress(OSError):
             for task in Path(f"/proc/{each}/task").iterdir():
-                found += map(int, (task / "children").read_text().split())
-    return found[1:]
+                pids += map(int, (task / "children").read_text().split())
+    return pids[1:]
 
 
 def _memory(pid: int, kind: str) -> float:

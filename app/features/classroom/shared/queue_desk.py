@@ -27,7 +27,7 @@ LOOK_S = 0.5
 TEACHERS = ("skip", "hand", "end", "open")
 
 
-class Wish(BaseModel):
+class QueueWish(BaseModel):
     """What somebody wants of the queue; all but ``join`` and ``leave`` are the teacher's."""
 
     model_config = ConfigDict(extra="forbid")
@@ -73,7 +73,7 @@ class QueueDesk:
 
     async def _answer(self, request: Request, visitor: Visitor) -> Response:
         if request.method == "GET":
-            return self._told(visitor)
+            return self._shown_to(visitor)
         if request.method != "POST":
             return PlainTextResponse("valid are GET and POST", 405)
         body = b""
@@ -82,15 +82,15 @@ class QueueDesk:
             if len(body) > LONGEST_BODY:
                 return PlainTextResponse("that is too long", 413)
         try:
-            wish = Wish.model_validate_json(body)
+            wish = QueueWish.model_validate_json(body)
         except ValidationError as error:
             return JSONResponse({"detail": json.loads(error.json())}, 422)
         if wish.action in TEACHERS and not _teaches(visitor):
             return PlainTextResponse("Only the teacher does that.", 403)
         self._carry_out(wish, visitor.name)
-        return self._told(visitor)
+        return self._shown_to(visitor)
 
-    def _carry_out(self, wish: Wish, name: str) -> None:
+    def _carry_out(self, wish: QueueWish, name: str) -> None:
         turns = self._turns
         match wish.action:
             case "join":
@@ -105,7 +105,7 @@ class QueueDesk:
                 turns.end(ended=wish.action == "end")
         self._pass_on()
 
-    def _told(self, visitor: Visitor) -> JSONResponse:
+    def _shown_to(self, visitor: Visitor) -> JSONResponse:
         own: dict[str, Any] = {"me": visitor.name, "teaches": _teaches(visitor)}
         answer = self._turns.to_json() | own
         return JSONResponse(answer, headers={"Cache-Control": "no-store"})

@@ -11,7 +11,7 @@ from fastapi.responses import FileResponse, HTMLResponse
 from pydantic import BaseModel, ConfigDict, Field
 
 from app.features.classroom.class_desk import LONGEST_MESSAGE
-from app.features.classroom.shared.queue_desk import Wish
+from app.features.classroom.shared.queue_desk import QueueWish
 from app.features.classroom.wall.collecting import Results
 from app.features.classroom.wall.followed import FollowedServer
 from app.features.classroom.wall.wall import Wall
@@ -111,7 +111,7 @@ def orders_router(wall: Wall) -> APIRouter:
         return await wall.of_each(asked.logins, put)
 
     @router.post("/api/queue")
-    async def queue(asked: Wish) -> dict[str, Any] | None:
+    async def queue(asked: QueueWish) -> dict[str, Any] | None:
         return await wall.queue({"action": asked.action, "login": asked.login})
 
     @router.post("/api/start")

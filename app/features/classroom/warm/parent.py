@@ -105,7 +105,7 @@ class WarmParent:
             confinement = request.confinement
             self._watch.clear(confinement)
             longest = self._watch.longest_file(confinement, MOST_FILE)
-            told = self._watch.ended.pop(confinement.home, "")
+            why_ended = self._watch.ended.pop(confinement.home, "")
             pid = os.fork()
         except (OSError, ValueError, TypeError, KeyError) as error:
             connection.sendall(json.dumps({"error": str(error)}).encode() + b"\n")
@@ -113,12 +113,12 @@ class WarmParent:
         if not pid:
             listening.close()
             connection.close()
-            _become(request, longest, told)
+            _become(request, longest, why_ended)
         self._watch.begin(pid, confinement)
         connection.sendall(json.dumps({"pid": pid}).encode() + b"\n")
 
 
-def _become(request: CopyRequest, longest_file: int, told: str) -> None:
+def _become(request: CopyRequest, longest_file: int, why_ended: str) -> None:
     """Be the program of a request, until it ends, and this process with it."""
     code = 1
     try:
@@ -127,7 +127,7 @@ def _become(request: CopyRequest, longest_file: int, told: str) -> None:
             signal.signal(each, signal.SIG_DFL)
         signal.signal(signal.SIGINT, signal.default_int_handler)
         os.environ.clear()
-        os.environ.update({**request.environment, ENDED: told})
+        os.environ.update({**request.environment, ENDED: why_ended})
         os.chdir(request.folder)
         confine(request.confinement, longest_file)
         _use_log(Path(request.folder, LOG))

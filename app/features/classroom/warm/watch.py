@@ -194,9 +194,9 @@ def of_server(server: int, user: int | None, seen: dict[int, SeenProcess]) -> li
     children: dict[int, list[int]] = {}
     for each in seen.values():
         children.setdefault(each.parent, []).append(each.pid)
-    found = [server] if server in seen and seen[server].parent == os.getpid() else []
-    for pid in found:
-        found += children.get(pid, [])
+    descendants = [server] if server in seen and seen[server].parent == os.getpid() else []
+    for pid in descendants:
+        descendants += children.get(pid, [])
     orphans = [
         each.pid
         for each in seen.values()
@@ -204,7 +204,7 @@ def of_server(server: int, user: int | None, seen: dict[int, SeenProcess]) -> li
     ]
     for pid in orphans:
         orphans += children.get(pid, [])
-    return [seen[pid] for pid in dict.fromkeys((*found, *orphans))]
+    return [seen[pid] for pid in dict.fromkeys((*descendants, *orphans))]
 
 
 def size_of(folder: Path) -> int:
