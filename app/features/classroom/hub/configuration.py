@@ -69,6 +69,8 @@ def configure(
     if notebook:
         c.Spawner.default_url = "/lab"
     c.JupyterHub.concurrent_spawn_limit = 0
+    # Else the hub learns in five minutes who is there, and the culler ends robots in use.
+    c.JupyterHub.last_activity_interval = min(300, max(idle_s // 4, 5))
     c.JupyterHub.services = [_culler(place, idle_s), _wall(place, port, shared=bool(shared_robot))]
     c.JupyterHub.load_roles = [_CULLING, _WALL]
     if shared_robot:
