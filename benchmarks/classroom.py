@@ -227,9 +227,9 @@ def _awake(students: list[StudentClient], own: list[int]) -> None:
             pool.submit(student.stay, ended, delays, stamps[student.login]) for student in students
         ]
         time.sleep(2.0)
-        begun, work = time.monotonic(), _seconds(own)
+        begun, work = time.monotonic(), _work(own)
         time.sleep(AWAKE_S)
-        share = (_seconds(own) - work) / (time.monotonic() - begun) / len(students)
+        share = _seconds_since(work, own) / (time.monotonic() - begun) / len(students)
         ended.set()
         for each in running:
             each.result()
@@ -246,12 +246,14 @@ def _asleep(students: list[StudentClient], own: list[int], hub: list[int]) -> No
             raise TimeoutError("a robot that nobody looks at does not sleep")
         time.sleep(1.0)
     time.sleep(2.0)  # what ends with the last look
-    begun, work, around = time.monotonic(), _seconds(own), _seconds(hub)
+    begun, work, around = time.monotonic(), _work(own), _work(hub)
     time.sleep(QUIET_S)
     seconds = time.monotonic() - begun
-    share = (_seconds(own) - work) / seconds / len(students)
+    share = _seconds_since(work, own) / seconds / len(students)
     _say("nobody looks: processor of each", share * 100, "% of a core")
-    _say("  hub, proxy and wall together", (_seconds(hub) - around) / seconds * 100, "% of a core")
+    _say(
+        "  hub, proxy and wall together", _seconds_since(around, hub) / seconds * 100, "% of a core"
+    )
 
 
 @contextmanager
@@ -299,14 +301,20 @@ def _memory(pid: int, kind: str) -> float:
     return sum(float(line.split()[1]) for line in lines if line.startswith(f"{kind}:")) / 1024
 
 
-def _seconds(pids: list[int]) -> float:
-    """Return the processor time of all threads [s], to the nanosecond: sleepers work in crumbs."""
-    total = 0
+def _work(pids: list[int]) -> dict[Path, int]:
+    """Return the processor time of each thread [ns]: sleepers work in crumbs."""
+    work = {}
     for pid in pids:
         with suppress(OSError):
             for task in Path(f"/proc/{pid}/task").iterdir():
-                total += int((task / "schedstat").read_text().split()[0])
-    return total / 1e9
+                with suppress(OSError):
+                    work[task] = int((task / "schedstat").read_text().split()[0])
+    return work
+
+
+def _seconds_since(before: dict[Path, int], pids: list[int]) -> float:
+    """Return the processor time since then [s]; threads that have ended meanwhile do not count."""
+    return sum(work - before.get(task, 0) for task, work in _work(pids).items()) / 1e9
 
 
 def _p95(values: list[float], share: float = 0.95) -> float:
