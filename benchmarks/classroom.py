@@ -55,13 +55,13 @@ class StudentClient:
 
     def open(self) -> None:
         """Open the link, and wait for the student's own page."""
-        end, again = time.monotonic() + PATIENCE_S, 0.0
+        end, next_try = time.monotonic() + PATIENCE_S, 0.0
         while time.monotonic() < end:
             # While a robot that nobody used is ended, the hub asks people to try again.
-            if time.monotonic() >= again:
+            if time.monotonic() >= next_try:
                 with suppress(HTTPError):
                     self._opener.open(self._link, timeout=PATIENCE_S).close()
-                again = time.monotonic() + AGAIN_S
+                next_try = time.monotonic() + AGAIN_S
             with (
                 suppress(HTTPError),
                 self._opener.open(self._page, timeout=PATIENCE_S) as answer,

@@ -76,27 +76,42 @@ def sleeps() -> None:
 
 
 def test_memory_of_several_processes_is_counted_together(students):
+    read, write = os.pipe()
+
     def several() -> None:
         for _ in range(2):
             if not os.fork():
                 kept = bytearray(b"x" * (60 * MB))
+                os.write(write, b"x")
                 time.sleep(30)
                 del kept
         time.sleep(30)
 
-    greedy = students.begin(0, several, memory=200 * MB)
-    students.begin(1, sleeps, memory=200 * MB)
-    until(lambda: len(of_server(students.pids[0], None, processes())) == 3)
-    until(lambda: sum(p.own_kb for p in of_server(students.pids[0], None, processes())) > 120_000)
-    students.watch.look()
-    assert students.alive(0), "120 MB are less than 200"
+    greedy = students.begin(0, several)
+    students.begin(1, sleeps)
 
-    smaller = Confinement(*[greedy.class_folder, greedy.home, 0, 100 * MB, 1, 2])
-    students.watch.begin(students.pids[0], smaller)
-    students.watch.look()
+    def taken() -> int:
+        """Memory of all three [bytes], with their share of what they have from this test."""
+        own = of_server(students.pids[0], None, processes())
+        return sum(watching._memory(each.pid) for each in own)
+
+    for _ in range(2):
+        assert os.read(read, 1)
+    os.close(read)
+    os.close(write)
+
+    def look(most: int) -> None:
+        held = Confinement(greedy.class_folder, greedy.home, 0, most, 1, 2)
+        students.watch.begin(students.pids[0], held)
+        students.watch.look()
+
+    most = taken()
+    look(most + 40 * MB)
+    assert students.alive(0), "each has less, and all together have"
+    look(most - 20 * MB)
     assert not students.alive(0)
     assert students.alive(1)
-    assert "MB of memory; valid is 100" in students.watch.ended[greedy.home]
+    assert f"MB of memory; valid is {(most - 20 * MB) >> 20}" in students.watch.ended[greedy.home]
     assert not of_server(students.pids[0], None, processes())
 
 
