@@ -12,7 +12,9 @@ import itertools
 import json
 import math
 import os
+import random
 import statistics
+import subprocess
 import sys
 import tempfile
 import threading
@@ -32,6 +34,7 @@ from benchmarks.programs import started
 
 MOVED_M = 0.005
 PATIENCE_S = 120.0
+AGAIN_S = 10.0
 AWAKE_S = 20.0
 QUIET_S = 20.0
 
@@ -39,20 +42,26 @@ QUIET_S = 20.0
 class StudentClient:
     """A student's browser, as far as servers notice it."""
 
-    def __init__(self, address: str, login: str, key: str) -> None:
+    def __init__(self, address: str, login: str, key: str, path: str = "") -> None:
+        """Prepare to open a link; the page is the student's own, or that of another ``path``."""
         self.login = login
         self._address = address
         self._jar = CookieJar()
         self._opener = build_opener(ProxyHandler({}), HTTPCookieProcessor(self._jar))
         self._opener.addheaders = [("Accept", "text/html")]
         self._link = f"{address}/hub/enter/{key}"
-        self._page = f"{address}/user/{login}/"
+        self._path = path or f"/user/{login}/"
+        self._page = f"{address}{self._path}"
 
     def open(self) -> None:
         """Open the link, and wait for the student's own page."""
-        end = time.monotonic() + PATIENCE_S
-        self._opener.open(self._link, timeout=PATIENCE_S).close()
+        end, next_try = time.monotonic() + PATIENCE_S, 0.0
         while time.monotonic() < end:
+            # While a robot that nobody used is ended, the hub asks people to try again.
+            if time.monotonic() >= next_try:
+                with suppress(HTTPError):
+                    self._opener.open(self._link, timeout=PATIENCE_S).close()
+                next_try = time.monotonic() + AGAIN_S
             with (
                 suppress(HTTPError),
                 self._opener.open(self._page, timeout=PATIENCE_S) as answer,
@@ -65,20 +74,19 @@ class StudentClient:
     def socket(self, path: str) -> ClientConnection:
         """Open a socket of the page."""
         cookies = "; ".join(
-            f"{each.name}={each.value}"
-            for each in self._jar
-            if f"/user/{self.login}/".startswith(each.path)
+            f"{each.name}={each.value}" for each in self._jar if self._path.startswith(each.path)
         )
         place = self._page.replace("http", "ws", 1) + path
         headers = {"Cookie": cookies}
         return connect(place, additional_headers=headers, max_size=None, proxy=None)
 
-    def move(self) -> None:
-        """Drive until the robot has moved."""
+    def move(self, patience: float = PATIENCE_S) -> None:
+        """Drive until the robot has moved; raise a TimeoutError if it does not [s]."""
         with self.socket("api/live?rate=30") as live:
             first = None
-            for text in live:
-                message = json.loads(text)
+            end = time.monotonic() + patience
+            while True:
+                message = json.loads(live.recv(timeout=max(end - time.monotonic(), 0.01)))
                 if message["type"] != "telemetry" or message["truth"] is None:
                     continue
                 first = first or message["truth"]
@@ -86,6 +94,16 @@ class StudentClient:
                 if math.dist((place["x"], place["y"]), (first["x"], first["y"])) > MOVED_M:
                     return
                 live.send(json.dumps({"type": "drive", "v": 0.15, "omega": 0.3}))
+
+    def ask(self, path: str, body: dict[str, str] | None = None) -> Any:
+        """Return the JSON of an address below the page."""
+        data = None if body is None else json.dumps(body).encode()
+        with self._opener.open(f"{self._page}{path}", data, timeout=PATIENCE_S) as answer:
+            return json.load(answer)
+
+    def is_asleep(self) -> bool:
+        """Whether the robot sleeps; to ask does not wake it."""
+        return bool(self.ask("classroom")["asleep"])
 
     def stay(self, ended: threading.Event, delays: list[float], stamps: list[float]) -> None:
         """Drive in circles and take pictures until it ends; note the delay of clicks [s]."""
@@ -117,8 +135,11 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.classroom", description=__doc__)
     parser.add_argument("--students", type=int, default=12)
     parser.add_argument("--port", type=int, default=8950)
+    parser.add_argument("--soak", type=float, metavar="MINUTES", help="students come and go")
     options = parser.parse_args()
-    with _class(options.students, options.port) as (address, folder):
+    if options.soak:
+        return _soak(options.students, options.port, options.soak * 60)
+    with _class(options.students, options.port) as (running, address, folder):
         keys = json.loads((folder / "keys.json").read_text())
         logins = [login for login in keys if login != "teacher"]
         students = [StudentClient(address, login, keys[login]) for login in logins]
@@ -137,8 +158,64 @@ def main() -> int:
         everything = sum(_memory(pid, "Pss") for pid in {*before, *own})
         _say(f"warm parent and {len(students)} students together", everything, "MB")
         _awake(students, own)
-        _asleep(students, own)
+        _asleep(students, own, _descendants(running.pid))
     return 0
+
+
+def _soak(count: int, port: int, seconds: float) -> int:
+    """Let students come, drive and leave; print the memory of what lasts, and what is left."""
+    with _class(count, port, "--idle", "1") as (running, _, folder):
+        keys = json.loads((folder / "keys.json").read_text())
+        address = f"http://127.0.0.1:{port}"
+        students = [StudentClient(address, n, keys[n]) for n in keys if n != "teacher"]
+        parent, ended, visits = _processes(folder), threading.Event(), [0] * count
+        started_at = time.monotonic()
+        with ThreadPoolExecutor(count) as pool:
+            going = [
+                pool.submit(_come_and_go, student, number, ended, visits)
+                for number, student in enumerate(students)
+            ]
+            while time.monotonic() - started_at < seconds:
+                time.sleep(min(30.0, seconds / 5))
+                warm = _processes(folder)
+                hub = [pid for pid in _descendants(running.pid) if pid not in warm]
+                words = ", ".join(f"{_name(pid)} {_memory(pid, 'Pss'):.0f}" for pid in hub)
+                servers = len(warm) - len(parent)
+                _say(f"{words} MB; {servers} processes of students; warm parent",
+                     _memory(parent[0], "Rss"), "MB")  # fmt: skip
+            ended.set()
+            for each in going:
+                each.result()
+        _say("visits", sum(visits), "")
+    time.sleep(1.0)
+    left = _processes(folder) + [
+        p for p in _descendants(running.pid) if Path(f"/proc/{p}").exists()
+    ]
+    _say("processes left over", len(left), "")
+    return 1 if left else 0
+
+
+def _come_and_go(
+    student: StudentClient, number: int, ended: threading.Event, visits: list[int]
+) -> None:
+    chance = random.Random(number)
+    while not ended.wait(chance.uniform(0.0, 20.0)):
+        student.open()
+        student.move()
+        visits[number] += 1
+        gone = threading.Timer(chance.uniform(3.0, 30.0), lambda: None)
+        gone.start()
+        with student.socket("api/live?rate=10") as live:
+            while gone.is_alive() and not ended.is_set():
+                live.recv(timeout=PATIENCE_S)
+        if chance.random() < 0.4 and ended.wait(chance.uniform(100.0, 150.0)):
+            return  # so long that the robot was ended meanwhile
+
+
+def _name(pid: int) -> str:
+    words = Path(f"/proc/{pid}/cmdline").read_bytes().split(b"\0")
+    known = (b"jupyterhub_idle_culler", b"wall.service", b"configurable", b"jupyterhub", b"class")
+    return next((k.decode() for k in known if any(k in word for word in words)), "other")
 
 
 def _awake(students: list[StudentClient], own: list[int]) -> None:
@@ -150,9 +227,9 @@ def _awake(students: list[StudentClient], own: list[int]) -> None:
             pool.submit(student.stay, ended, delays, stamps[student.login]) for student in students
         ]
         time.sleep(2.0)
-        begun, work = time.monotonic(), _seconds(own)
+        begun, work = time.monotonic(), _work(own)
         time.sleep(AWAKE_S)
-        share = (_seconds(own) - work) / (time.monotonic() - begun) / len(students)
+        share = _seconds_since(work, own) / (time.monotonic() - begun) / len(students)
         ended.set()
         for each in running:
             each.result()
@@ -162,26 +239,37 @@ def _awake(students: list[StudentClient], own: list[int]) -> None:
     _say("  between two messages of telemetry, p99", _p95(gaps, 0.99) * 1000, "ms")
 
 
-def _asleep(students: list[StudentClient], own: list[int]) -> None:
-    time.sleep(3.0)
-    begun, work = time.monotonic(), _seconds(own)
+def _asleep(students: list[StudentClient], own: list[int], hub: list[int]) -> None:
+    end = time.monotonic() + PATIENCE_S
+    while not all(student.is_asleep() for student in students):
+        if time.monotonic() > end:
+            raise TimeoutError("a robot that nobody looks at does not sleep")
+        time.sleep(1.0)
+    time.sleep(2.0)  # what ends with the last look
+    begun, work, around = time.monotonic(), _work(own), _work(hub)
     time.sleep(QUIET_S)
-    share = (_seconds(own) - work) / (time.monotonic() - begun) / len(students)
+    seconds = time.monotonic() - begun
+    share = _seconds_since(work, own) / seconds / len(students)
     _say("nobody looks: processor of each", share * 100, "% of a core")
+    _say(
+        "  hub, proxy and wall together", _seconds_since(around, hub) / seconds * 100, "% of a core"
+    )
 
 
 @contextmanager
-def _class(count: int, port: int) -> Iterator[tuple[str, Path]]:
+def _class(
+    count: int, port: int, *options: str
+) -> Iterator[tuple[subprocess.Popen[str], str, Path]]:
     with ExitStack() as stack:
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
         folder.chmod(0o711)
         names = folder / "students.csv"
         names.write_text("\n".join(f"student {n}" for n in range(count)), encoding="utf-8")
-        words = ("class", str(names), "--host", "127.0.0.1", "--port", str(port))
+        words = ("class", str(names), "--host", "127.0.0.1", "--port", str(port), *options)
         begun = time.monotonic()
-        _, address = stack.enter_context(started(*words, says=r"students at (http://\S+)"))
+        running, address = stack.enter_context(started(*words, says=r"students at (http://\S+)"))
         _say(f"command until {count} links hold", time.monotonic() - begun, "s")
-        yield address, names.with_suffix(".class")
+        yield running, address, names.with_suffix(".class")
 
 
 def _processes(folder: Path) -> list[int]:
@@ -195,6 +283,16 @@ def _processes(folder: Path) -> list[int]:
     return pids
 
 
+def _descendants(pid: int) -> list[int]:
+    """Return the hub, its proxy and its services: what the class's command has begun."""
+    pids = [pid]
+    for each in pids:
+        with suppress(OSError):
+            for task in Path(f"/proc/{each}/task").iterdir():
+                pids += map(int, (task / "children").read_text().split())
+    return pids[1:]
+
+
 def _memory(pid: int, kind: str) -> float:
     try:
         lines = Path(f"/proc/{pid}/smaps_rollup").read_text().splitlines()
@@ -203,13 +301,20 @@ def _memory(pid: int, kind: str) -> float:
     return sum(float(line.split()[1]) for line in lines if line.startswith(f"{kind}:")) / 1024
 
 
-def _seconds(pids: list[int]) -> float:
-    ticks = 0
+def _work(pids: list[int]) -> dict[Path, int]:
+    """Return the processor time of each thread [ns]: sleepers work in crumbs."""
+    work = {}
     for pid in pids:
         with suppress(OSError):
-            fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
-            ticks += int(fields[11]) + int(fields[12])
-    return ticks / os.sysconf("SC_CLK_TCK")
+            for task in Path(f"/proc/{pid}/task").iterdir():
+                with suppress(OSError):
+                    work[task] = int((task / "schedstat").read_text().split()[0])
+    return work
+
+
+def _seconds_since(before: dict[Path, int], pids: list[int]) -> float:
+    """Return the processor time since then [s]; threads that have ended meanwhile do not count."""
+    return sum(work - before.get(task, 0) for task, work in _work(pids).items()) / 1e9
 
 
 def _p95(values: list[float], share: float = 0.95) -> float:

@@ -30,8 +30,8 @@ TELLING = (
 )  # fmt: skip
 """Where errors and settings come from that the page shows: what they say are texts."""
 SPEAKING = (
-    "app/engine/driver.py", "app/engine/drivers.py", "app/features/mapping/drawing_work.py",
-    "app/features/own_models/own_models.py",
+    "app/engine/driver.py", "app/engine/drivers.py", "app/features/classroom/warm/watch.py",
+    "app/features/mapping/drawing_work.py", "app/features/own_models/own_models.py",
     "app/features/course/grader/causes/", "app/features/course/grader/forms.py",
     "app/features/course/grading.py", "app/features/course/lessons/",
     "app/features/course/sandbox/audit.py",
@@ -45,7 +45,7 @@ SPEAKING = (
     "robot/calibration/lens/guide.py", "robot/calibration/lens/lens_calibration.py",
     "robot/cameras/choice.py", "robot/cameras/files.py",
     "robot/cameras/grabber.py", "robot/fields/drawing/question.py", "robot/hat/board.py",
-    "robot/hat/motor.py", "robot/navigation/looking_around.py", "robot/settings.py",
+    "robot/hat/motor.py", "robot/navigation/looking_around.py",
     "robot/calibration/model_check.py", "robot/calibration/tracker.py",
     "robot/hat/start/troubles.py", "robot/hat/start/upload.py",
     "robot/localization/estimate.py", "robot/localization/monitoring/causes.py",

@@ -52,8 +52,11 @@ configure(
     host={host!r},
     port={port},
     memory_mb={memory},
+    disk_mb={disk},
     idle_s={idle},
     notebook={notebook},
+    shared_robot={shared!r},
+    turn_min={turn},
 )
 """
 
@@ -75,7 +78,7 @@ def serve_class(parsed: argparse.Namespace) -> int:
         (getattr(parsed, "folder", None) or parsed.students.with_suffix(".class")).absolute()
     )
     if not parsed.write_only:
-        _check_ports(parsed.host, parsed.port)
+        _check_ports(parsed.host, parsed.port, shared="shared_robot" in parsed)
     folder.make()
     address = (getattr(parsed, "address", None) or _address(parsed.host, parsed.port)).rstrip("/")
     keys = folder.keys(students)
@@ -89,7 +92,13 @@ def serve_class(parsed: argparse.Namespace) -> int:
 
 
 def _check_options(parsed: argparse.Namespace) -> None:
-    limits = {"port": (1, 65532), "memory": (300, 1_000_000), "idle": (1, 100_000)}
+    limits = {
+        "port": (1, 65531),
+        "memory": (300, 1_000_000),
+        "disk": (10, 1_000_000),
+        "idle": (1, 100_000),
+        "turn": (0.1, 60),
+    }
     for name, (low, high) in limits.items():
         if not low <= getattr(parsed, name) <= high:
             raise SettingError(f"--{name} is {getattr(parsed, name)}; valid are {low} to {high}")
@@ -117,12 +126,11 @@ def _check_packages(*, notebook: bool) -> None:
         )
 
 
-def _check_ports(host: str, port: int) -> None:
-    """Raise a ClassError if one of four ports is taken, or the address is not of this machine."""
-    for address, each, use in (
-        (host, port, "the class"), ("127.0.0.1", port + 1, "the hub"),
-        ("127.0.0.1", port + 2, "the proxy's interface"), ("127.0.0.1", port + 3, "the wall"),
-    ):  # fmt: skip
+def _check_ports(host: str, port: int, *, shared: bool) -> None:
+    """Raise a ClassError if one of the ports is taken, or the address is not of this machine."""
+    uses = ["the hub", "the proxy's interface", "the wall", *(["the shared robot"] * shared)]
+    own = [("127.0.0.1", port + number, use) for number, use in enumerate(uses, 1)]
+    for address, each, use in [(host, port, "the class"), *own]:
         with socket.socket() as probe:
             probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
             try:
@@ -144,7 +152,9 @@ def _write(folder: ClassFolder, parsed: argparse.Namespace) -> None:
         unfinished.write_text(
             CONFIG.format(
                 folder=str(folder.path), host=parsed.host, port=parsed.port,
-                memory=parsed.memory, idle=parsed.idle * 60, notebook=parsed.notebook,
+                memory=parsed.memory, disk=parsed.disk, idle=parsed.idle * 60,
+                notebook=parsed.notebook, shared=getattr(parsed, "shared_robot", None),
+                turn=parsed.turn,
             ),
             encoding="utf-8",
         )  # fmt: skip

@@ -7,18 +7,17 @@ of watchers, which stops what they drove. The teacher, who is no owner, still dr
 from __future__ import annotations
 
 import json
-from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any
 
-import anyio
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from starlette.requests import Request
 from starlette.responses import JSONResponse, PlainTextResponse, Response
-from starlette.types import ASGIApp, Message, Receive, Scope, Send
+from starlette.types import ASGIApp, Receive, Scope, Send
 
 from app.features.classroom.sign_in import VISITOR
 from app.features.classroom.sleep import Sleeper
+from app.features.classroom.told_sockets import ToldSockets
 from app.page.token_guard import CODE
 from app.page.tokens import Role
 
@@ -35,6 +34,8 @@ class Order(BaseModel):
     frozen: bool | None = None
     message: str | None = Field(None, max_length=LONGEST_MESSAGE)
     """Shown on the student's pages; empty takes it away."""
+    lesson: int | None = Field(None, ge=0, le=999)
+    """The page has a link to it; 0 takes it away."""
 
 
 class Hand(BaseModel):
@@ -50,22 +51,30 @@ class ClassState:
 
     frozen: bool = False
     message: str = ""
+    lesson: int = 0
+    """That was handed out; 0 is none."""
     hand: bool = False
-    thaws: set[anyio.CancelScope] = field(default_factory=set)
-    """One of each open socket of the owner's."""
+    ended: str = ""
+    """Why the server before this one was ended, in words."""
+    owner: str = ""
+    sockets: ToldSockets = field(default_factory=ToldSockets)
 
     def to_json(self) -> dict[str, Any]:
         """Return it as JSON values."""
-        return {"frozen": self.frozen, "message": self.message, "hand": self.hand}
+        return {
+            "frozen": self.frozen, "message": self.message, "lesson": self.lesson,
+            "hand": self.hand, "ended": self.ended,
+        }  # fmt: skip
 
     def obey(self, order: Order) -> None:
         """Carry out an order."""
         if order.message is not None:
             self.message = order.message
+        if order.lesson is not None:
+            self.lesson = order.lesson
         if order.frozen is not None and order.frozen != self.frozen:
             self.frozen = order.frozen
-            for scope in tuple(self.thaws):
-                scope.cancel()
+            self.sockets.tell(self.owner)
 
 
 class ClassDesk:
@@ -80,6 +89,7 @@ class ClassDesk:
         self._owner = owner
         self._path = f"{prefix}{ADDRESS}"
         self._state = state
+        state.owner = owner
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer what is for the desk; pass on all else with what its sender may do."""
@@ -103,7 +113,7 @@ class ClassDesk:
         frozen = owns and self._state.frozen
         scope = {**scope, CODE: owns and not frozen, ROLE: Role.WATCH if frozen else Role.DRIVE}
         if scope["type"] == "websocket" and owns:
-            await self._until_told(scope, receive, send)
+            await self._state.sockets.serve(self._owner, self._app, scope, receive, send)
         elif frozen and scope["method"] not in ("GET", "HEAD"):
             await PlainTextResponse("The teacher has frozen the class.", 403)(scope, receive, send)
         else:
@@ -128,22 +138,3 @@ class ClassDesk:
         except ValidationError as error:
             return JSONResponse({"detail": json.loads(error.json())}, 422)
         return JSONResponse(self._state.to_json())
-
-    async def _until_told(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Serve a socket of the owner's until the owner is frozen, or may drive again."""
-        ended = False
-
-        async def note(message: Message) -> None:
-            nonlocal ended
-            ended = ended or message["type"] == "websocket.close"
-            await send(message)
-
-        with anyio.CancelScope() as cancel:
-            self._state.thaws.add(cancel)
-            try:
-                await self._app(scope, receive, note)
-            finally:
-                self._state.thaws.discard(cancel)
-        if cancel.cancelled_caught and not ended:
-            with suppress(Exception):  # the page may have gone meanwhile
-                await send({"type": "websocket.close", "code": 1012, "reason": "class"})

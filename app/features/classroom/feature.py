@@ -16,5 +16,10 @@ FEATURE = Feature(
             "serve one student's robot, as JupyterHub starts it",
             Late("app.features.classroom.options:add_single_user"),
         ),
+        Subcommand(
+            "shared-robot",
+            "serve one robot to a class, by turns, as JupyterHub starts it",
+            Late("app.features.classroom.options:add_shared_robot"),
+        ),
     ),
 )

@@ -48,8 +48,20 @@ def add_class(command: CommandParser) -> None:
         "--memory", type=int, default=1500, metavar="MB", help="limit for each student (1500)"
     )
     command.add_argument(
+        "--disk", type=int, default=1000, metavar="MB", help="limit of each student's folder (1000)"
+    )
+    command.add_argument(
         "--idle", type=int, default=60, metavar="MINUTES", help="a robot unused so long ends (60)"
     )
+    command.add_argument(
+        "--shared-robot",
+        metavar="ROBOT",
+        help="one robot more, which the class shares by a queue: what `run --robot` takes",
+    )
+    command.add_argument(
+        "--turn", type=float, default=3.0, metavar="MINUTES",
+        help="how long each drives the shared robot, if others wait (3)",
+    )  # fmt: skip
     command.add_argument(
         "--notebook",
         action="store_true",
@@ -79,6 +91,19 @@ def add_single_user(command: CommandParser) -> None:
     command.set_defaults(command=_single_user)
 
 
+def add_shared_robot(command: CommandParser) -> None:
+    """Add the options of ``shared-robot``; the hub's environment has the rest."""
+    command.description = (
+        "Serve one robot to a class, as a service of its JupyterHub: students queue up, and one "
+        "after the other drives for some minutes."
+    )
+    command.add_argument(
+        "--turn", type=float, default=3.0, metavar="MINUTES", help="how long one drives (3)"
+    )
+    add_serving(command)
+    command.set_defaults(command=_shared_robot)
+
+
 def _class(parsed: argparse.Namespace) -> int:
     # Imported here, so that a wrong argument is refused at once.
     from app.features.classroom.class_command import serve_class  # noqa: PLC0415
@@ -90,3 +115,9 @@ def _single_user(parsed: argparse.Namespace) -> int:
     from app.features.classroom.single_user import serve_user  # noqa: PLC0415 - as above
 
     return serve_user(parsed, config_from)
+
+
+def _shared_robot(parsed: argparse.Namespace) -> int:
+    from app.features.classroom.single_user import serve_shared  # noqa: PLC0415 - as above
+
+    return serve_shared(parsed, config_from)

@@ -130,7 +130,12 @@ class SignIn:
         token = token or (session.token if session is not None else "")
         if not token:
             return None
-        visitor = await anyio.to_thread.run_sync(self._hub.visitor, token)
+        try:
+            visitor = await anyio.to_thread.run_sync(self._hub.visitor, token)
+        except HubError as error:
+            if session is None or error.errno:
+                raise
+            return session.visitor  # a hub that is begun again is no reason to lose one's robot
         if visitor is None:
             self._sessions.known.pop(name, None)
         else:

@@ -1,4 +1,6 @@
-"""``brickpose single-user``: the dashboard and the lessons, as the single-user server of a hub."""
+"""Serves below a hub: ``brickpose single-user``, one student's robot and lessons, as its
+single-user server; ``brickpose shared-robot``, the class's robot, as its service.
+"""
 
 from __future__ import annotations
 
@@ -14,10 +16,16 @@ from app.engine.program import Program
 from app.feature import Feature, NewGate, Panel
 from app.features.classroom.class_desk import ClassDesk, ClassState
 from app.features.classroom.hub_client import HubClient, HubEnvironment
+from app.features.classroom.shared.queue_desk import QueueDesk
+from app.features.classroom.shared.turns import TurnQueue
 from app.features.classroom.sign_in import Sessions, SignIn
 from app.features.classroom.sleep import Sleeper
+from app.features.classroom.warm.request import ENDED
 from app.features.course.learn_command import learn
+from app.page.run_command import run_dashboard
 from app.settings.config import FRONTEND, Config
+
+PANELS = FRONTEND / "features" / "classroom"
 
 
 def serve_user(
@@ -32,21 +40,46 @@ def serve_user(
     Raises:
         SettingError: no hub has started this.
     """
-    hub = HubEnvironment.of(os.environ)
-    place = urlsplit(hub.service_url)
-    parsed.host, parsed.port = place.hostname or "127.0.0.1", place.port or 8888
-    parsed.root_path = hub.prefix
-    parsed.no_token = True  # the hub knows who comes
+    hub = _as_the_hub_says(parsed)
     sleeper = Sleeper()
     desk = Feature(
         name="class",
         about="visitors sign in at the hub, and the teacher's wall has a say",
         gates=(lambda _config: _gates(HubClient(hub), sleeper),),
         routers=(lambda program: _watched(program, sleeper),),
-        panels=(Panel("desk", "Class", FRONTEND / "features" / "classroom" / "panel.js"),),
+        panels=(Panel("desk", "Class", PANELS / "panel.js"),),
     )
     parsed.features = parsed.features.adding(desk)
     return learn(parsed, config_from(parsed))
+
+
+def serve_shared(
+    parsed: argparse.Namespace, config_from: Callable[[argparse.Namespace], Config]
+) -> int:
+    """Serve a robot to a class, one driver after the other; else as ``serve_user``."""
+    hub = _as_the_hub_says(parsed)
+    client, turns = HubClient(hub), TurnQueue(parsed.turn * 60)
+
+    def gates(_config: Config) -> Iterator[NewGate]:
+        yield partial(QueueDesk, prefix=unquote(hub.prefix), turns=turns)
+        yield partial(SignIn, hub=client, sessions=Sessions())
+
+    desk = Feature(
+        name="class",
+        about="visitors sign in at the hub, and drive one after the other",
+        gates=(gates,),
+        panels=(Panel("queue", "Queue", PANELS / "queue_panel.js"),),
+    )
+    return run_dashboard(parsed, config_from(parsed), parsed.features.adding(desk), "/")
+
+
+def _as_the_hub_says(parsed: argparse.Namespace) -> HubEnvironment:
+    hub = HubEnvironment.of(os.environ)
+    place = urlsplit(hub.service_url)
+    parsed.host, parsed.port = place.hostname or "127.0.0.1", place.port or 8888
+    parsed.root_path = hub.prefix
+    parsed.no_token = True  # the hub knows who comes
+    return hub
 
 
 def _watched(program: Program, sleeper: Sleeper) -> APIRouter:
@@ -58,5 +91,6 @@ def _gates(hub: HubClient, sleeper: Sleeper) -> Iterator[NewGate]:
     own = hub.environment
     # Paths are decoded where they arrive.
     path = unquote(own.prefix)
-    yield partial(ClassDesk, owner=own.user, prefix=path, state=ClassState(), sleeper=sleeper)
+    state = ClassState(ended=os.environ.get(ENDED, ""))
+    yield partial(ClassDesk, owner=own.user, prefix=path, state=state, sleeper=sleeper)
     yield partial(SignIn, hub=hub, sessions=Sessions())

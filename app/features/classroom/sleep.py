@@ -63,6 +63,7 @@ class Sleeper:
         """Let it go on, at once."""
         if self.asleep:
             self._send(signal.SIGCONT)
+            self._hold(False)
         self.asleep = False
 
     def _look_again(self) -> None:
@@ -81,6 +82,7 @@ class Sleeper:
             return
         self.asleep = True
         self._send(signal.SIGSTOP)
+        self._hold(True)
 
     def _is_busy(self) -> bool:
         """Whether something goes on without viewers: a recording, a way to a goal."""
@@ -89,6 +91,12 @@ class Sleeper:
             return True
         latest = program.engine.latest.get()
         return latest is None or latest.mode != "idle"
+
+    def _hold(self, held: bool) -> None:
+        """Tell the program's loop, if it is one of another process: it then looks seldom."""
+        hold = getattr(self._program and self._program.engine, "hold", None)
+        if hold is not None:
+            hold(held)
 
     def _send(self, sign: signal.Signals) -> None:
         for pid in self._processes():

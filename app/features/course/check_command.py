@@ -11,7 +11,13 @@ from app.features.course.class_command import Graded, as_csv, as_table, grade_cl
 from app.features.course.grading import SEED, grade_lessons
 from app.features.course.language import language_asked
 from app.features.course.lesson import lesson_of, lessons
-from app.features.course.reports import as_gradescope, as_json, as_junit, for_people
+from app.features.course.reports import (
+    as_gradescope,
+    as_json,
+    as_junit,
+    as_junit_of_class,
+    for_people,
+)
 from app.features.course.source import read_source
 from app.features.lab.workers import workers_from_options
 from app.files import atomic_file
@@ -19,7 +25,8 @@ from app.languages.catalogue import Catalogue
 from app.result_files import require_writable
 from robot.settings import SettingError
 
-FILE_ONLY = ("junit", "gradescope")
+FILE_ONLY = ("gradescope",)
+WRITTEN = ("junit", "gradescope")
 CLASS_ONLY = ("csv", "workers", "cluster")
 
 
@@ -35,7 +42,7 @@ def check(parsed: argparse.Namespace) -> int:
     for name in CLASS_ONLY:
         if name in parsed:
             raise SettingError(f"--{name} is for several files, or a folder")
-    for name in FILE_ONLY:
+    for name in WRITTEN:
         if name in parsed:
             require_writable(getattr(parsed, name))
     [file] = parsed.files
@@ -58,9 +65,12 @@ def _check_class(
 ) -> int:
     for name in FILE_ONLY:
         if name in parsed:
-            raise SettingError(f"--{name} is for one file; --csv and --json are for several")
-    if "csv" in parsed:
-        require_writable(parsed.csv)
+            raise SettingError(
+                f"--{name} is for one file; --csv, --json and --junit are for several"
+            )
+    for name in ("csv", "junit"):
+        if name in parsed:
+            require_writable(getattr(parsed, name))
     workers = workers_from_options(vars(parsed))
     try:
         folder = getattr(parsed, "lessons", None)
@@ -74,6 +84,9 @@ def _check_class(
         sys.stdout.write(as_table(graded, numbers, language))
     if "csv" in parsed:
         _write(parsed.csv, as_csv(graded, numbers))
+    if "junit" in parsed:
+        files = ((item.name, item.results, item.problem) for item in graded)
+        _write(parsed.junit, as_junit_of_class(files, language))
     return 0 if all(item.passed for item in graded) else 1
 
 

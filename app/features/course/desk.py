@@ -15,6 +15,7 @@ from fastapi import WebSocket, WebSocketDisconnect
 from app.features.course.grader.finding import LessonResult
 from app.features.course.grading import grade
 from app.features.course.lesson import lesson_of
+from app.features.course.progress import Progress
 from app.features.course.source import read_source
 from app.features.own_models.watch import signature
 from app.languages.catalogue import Catalogue
@@ -34,6 +35,7 @@ class CheckDesk:
         """Watch a file; ``folder`` has a teacher's own lessons."""
         self.file = file
         self.folder = folder
+        self.progress = Progress(file)
         self._results: dict[tuple[str, int], LessonResult] = {}
         self._turn = asyncio.Lock()
 
@@ -70,6 +72,7 @@ class CheckDesk:
             result = await self._graded(number)
         except SettingError as error:
             return {"type": "problem", "message": language.translated(str(error))}
+        self.progress.note(result)
         return {
             "type": "result",
             "file": self.file.name,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 from xml.etree import ElementTree
 
@@ -56,23 +56,53 @@ def as_json(results: Sequence[LessonResult], language: Catalogue) -> dict[str, A
 
 def as_junit(results: Sequence[LessonResult], language: Catalogue) -> str:
     """Return JUnit's XML: a test case a lesson; one that was not begun is skipped."""
+    return _xml(_suite("brickpose check", results, language))
+
+
+def as_junit_of_class(
+    files: Iterable[tuple[str, Sequence[LessonResult], str]], language: Catalogue
+) -> str:
+    """Return JUnit's XML of many files: a suite each.
+
+    Args:
+        files: the name of each, its results, and why it could not be graded, if it could not.
+        language: of the words.
+    """
+    suites = ElementTree.Element("testsuites", name="brickpose check")
+    for name, results, problem in files:
+        suite = _suite(name, results, language)
+        if problem:
+            suite.set("tests", "1")
+            suite.set("errors", "1")
+            case = ElementTree.SubElement(suite, "testcase", classname="lessons", name="file")
+            ElementTree.SubElement(case, "error", message=_readable(problem))
+        suites.append(suite)
+    return _xml(suites)
+
+
+def _suite(name: str, results: Sequence[LessonResult], language: Catalogue) -> ElementTree.Element:
     suite = ElementTree.Element(
         "testsuite",
-        name="brickpose check",
+        name=_readable(name),
         tests=str(len(results)),
         failures=str(sum(bool(item.findings) for item in results)),
         skipped=str(sum(not item.started for item in results)),
     )
     for result in results:
-        name = f"{result.lesson} {result.name}"
-        case = ElementTree.SubElement(suite, "testcase", classname="lessons", name=name)
+        case = ElementTree.SubElement(
+            suite, "testcase", classname="lessons", name=f"{result.lesson} {result.name}"
+        )
         if not result.started:
             ElementTree.SubElement(case, "skipped")
         for finding in result.findings:
             symptom = finding.symptom.say(language)
             failure = ElementTree.SubElement(case, "failure", type=finding.cause, message=symptom)
             failure.text = _readable(_in_words(finding, language))
-    return ElementTree.tostring(suite, encoding="unicode", xml_declaration=True) + "\n"
+    return suite
+
+
+def _xml(element: ElementTree.Element) -> str:
+    return ElementTree.tostring(element, encoding="unicode", xml_declaration=True) + "\n"
 
 
 def as_gradescope(results: Sequence[LessonResult], language: Catalogue) -> str:

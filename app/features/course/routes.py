@@ -51,12 +51,21 @@ def course_router(file: Path, folder: Path | None = None) -> APIRouter:
 
     @router.get("/api/lessons")
     def all_lessons(request: Request) -> list[dict[str, Any]]:
-        """All lessons, by number and title."""
-        language = language_of(request).language
+        """All lessons, by number and title, and whether they have passed once."""
+        language, passed = language_of(request).language, desk.progress.passed
         return [
-            {"number": item.number, "title": parsed(item.text(language)).title}
+            {
+                "number": item.number,
+                "title": parsed(item.text(language)).title,
+                "passed": item.number in passed,
+            }
             for item in lessons(folder)
         ]
+
+    @router.get("/api/progress")
+    def progress() -> dict[str, Any]:
+        """Numbers of the lesson at hand, and of those that were begun and have passed."""
+        return desk.progress.to_json()
 
     @router.get("/api/lessons/{number}", responses=NO_LESSON)
     def lesson(number: int, request: Request) -> dict[str, Any]:

@@ -1,18 +1,17 @@
 // @ts-check
 /** The class on a student's page: the teacher's words, whether the class is frozen, one's hand. */
 
+/** Served below `panels/`, beside which the page's own scripts are `static/`. */
+const { t, translated } = await import(new URL("../../../static/page/language.js", import.meta.url).href);
 const EVERY_MS = 2000;
-const TEXTS = {
-  en: { raise: "Raise my hand", lower: "Take my hand down", frozen: "Eyes to the front: the teacher has frozen all robots." },
-  de: { raise: "Melden", lower: "Nicht mehr melden", frozen: "Augen nach vorn: alle Roboter sind angehalten." },
-};
 const ADDRESS = "classroom";
 
-/** @typedef {{frozen: boolean, message: string, hand: boolean}} ClassState */
+/**
+ * @typedef {{frozen: boolean, message: string, lesson: number, hand: boolean, ended: string}} ClassState
+ */
 
 /** @param {HTMLElement} body */
 export function panel(body) {
-  const words = document.documentElement.lang === "de" ? TEXTS.de : TEXTS.en;
   const button = document.createElement("button");
   button.id = "class-hand";
   button.type = "button";
@@ -27,13 +26,23 @@ export function panel(body) {
   });
 
   /** @param {ClassState} state */
-  function show({ frozen, message, hand }) {
-    const text = [frozen ? words.frozen : "", message].filter(Boolean).join(" ");
-    if (banner.textContent !== text) banner.textContent = text;
+  function show({ frozen, message, lesson, hand, ended }) {
+    const because = { reason: translated(ended) };
+    const text = [
+      frozen ? t("Eyes to the front: the teacher has frozen all robots.") : "",
+      message,
+      ended ? t("Your robot was ended and begun again: {reason}. Your files are as they were.", because) : "",
+      lesson ? t("The teacher hands out:") : "",
+    ].filter(Boolean).join(" ");
+    if (banner.dataset.shown !== text + lesson) {
+      banner.dataset.shown = text + lesson;
+      banner.replaceChildren(text);
+      if (lesson) banner.append(" ", linkTo(lesson));
+    }
     if (text && !banner.isConnected) document.body.append(banner);
     if (!text) banner.remove();
     told.textContent = message;
-    button.textContent = hand ? words.lower : words.raise;
+    button.textContent = hand ? t("Take my hand down") : t("Raise my hand");
     button.setAttribute("aria-pressed", String(hand));
   }
 
@@ -52,4 +61,14 @@ export function panel(body) {
   setInterval(ask, EVERY_MS);
   ask();
   return { show() {} };
+}
+
+/** @param {number} lesson */
+function linkTo(lesson) {
+  const link = document.createElement("a");
+  link.href = `learn/${lesson}`;
+  link.target = "_top";
+  link.style.color = "inherit";
+  link.textContent = t("lesson {lesson}", { lesson });
+  return link;
 }

@@ -4,17 +4,17 @@ import { t } from "../../page/language.js";
 
 const KEY = "brickpose-passed";
 
-/** The lessons at the top of the page; those that have passed in this browser have a tick. */
+/** The lessons at the top of the page; those that have passed, here or elsewhere, have a tick. */
 export class LessonList {
   /** @param {number} current */
   constructor(current) {
     this.current = current;
     this.list = find("lessons", HTMLElement);
-    /** @type {{number: number, title: string}[]} */
+    /** @type {{number: number, title: string, passed: boolean}[]} */
     this.lessons = [];
   }
 
-  /** @param {{number: number, title: string}[]} lessons */
+  /** @param {{number: number, title: string, passed: boolean}[]} lessons */
   show(lessons) {
     this.lessons = lessons;
     this.list.replaceChildren(...lessons.map((lesson) => this.#entry(lesson)));
@@ -51,10 +51,11 @@ export class LessonList {
 
   /** @returns {Set<number>} */
   #passed() {
+    const kept = this.lessons.filter(({ passed }) => passed).map(({ number }) => number);
     try {
-      return new Set(JSON.parse(localStorage.getItem(KEY) ?? "[]"));
+      return new Set([...kept, ...JSON.parse(localStorage.getItem(KEY) ?? "[]")]);
     } catch {
-      return new Set();
+      return new Set(kept);
     }
   }
 }

@@ -11,11 +11,23 @@ from app.features.classroom.class_folder import ClassFolder
 from app.features.classroom.roster import TEACHER
 
 START_S = 120
+SHARED = "robot"
+SHARED_SCOPE = f"access:services!service={SHARED}"
 STUDENT_COMMAND = [sys.executable, "-m", "app", "single-user"]
 
 
 def configure(
-    c: Any, folder: str, *, host: str, port: int, memory_mb: int, idle_s: int, notebook: bool
+    c: Any,
+    folder: str,
+    *,
+    host: str,
+    port: int,
+    memory_mb: int,
+    disk_mb: int,
+    idle_s: int,
+    notebook: bool,
+    shared_robot: str | None = None,
+    turn_min: float = 3.0,
 ) -> None:
     """Set what a class on one machine needs; ``c`` is the configuration that JupyterHub reads.
 
@@ -24,9 +36,12 @@ def configure(
         folder: the class's folder.
         host: the address to listen on.
         port: the port; the three after it are the hub's own, on this machine alone.
-        memory_mb: the limit of a student's processes.
+        memory_mb: the limit of a student's processes together.
+        disk_mb: the limit of a student's folder.
         idle_s: a server that nobody used so long is ended [s].
         notebook: JupyterLab is each student's server, and has the dashboard in its launcher.
+        shared_robot: a robot that the class shares, as ``run --robot`` has it; None is none.
+        turn_min: how long each drives it, if others wait [min].
     """
     place = ClassFolder(Path(folder))
     c.JupyterHub.bind_url = f"http://{host}:{port}/"
@@ -47,14 +62,23 @@ def configure(
     c.StudentSpawner.class_folder = folder
     c.Spawner.cmd = ["jupyterhub-singleuser"] if notebook else STUDENT_COMMAND
     c.StudentSpawner.warm = not notebook
+    c.StudentSpawner.disk_mb = disk_mb
     c.Spawner.mem_limit = memory_mb * 1024 * 1024
     c.Spawner.start_timeout = c.Spawner.http_timeout = START_S
     c.Spawner.poll_interval = 3
     if notebook:
         c.Spawner.default_url = "/lab"
     c.JupyterHub.concurrent_spawn_limit = 0
-    c.JupyterHub.services = [_culler(place, idle_s), _wall(place, port)]
+    # Else the hub learns in five minutes who is there, and the culler ends robots in use.
+    c.JupyterHub.last_activity_interval = min(300, max(idle_s // 4, 5))
+    c.JupyterHub.services = [_culler(place, idle_s), _wall(place, port, shared=bool(shared_robot))]
     c.JupyterHub.load_roles = [_CULLING, _WALL]
+    if shared_robot:
+        c.JupyterHub.services += [_shared(place, port, shared_robot, turn_min)]
+        c.JupyterHub.load_roles += [
+            {"name": "user", "scopes": ["self", SHARED_SCOPE]},
+            {"name": "shared", "scopes": [SHARED_SCOPE], "services": ["wall"]},
+        ]
 
 
 _CULLING = {
@@ -71,11 +95,27 @@ _WALL = {
 }
 
 
-def _wall(folder: ClassFolder, port: int) -> dict[str, Any]:
+def _shared(folder: ClassFolder, port: int, robot: str, turn_min: float) -> dict[str, Any]:
+    environment = {
+        "BRICKPOSE_CLASS": str(folder.path), "PYTHONPATH": os.environ.get("PYTHONPATH", ""),
+        "HOME": str(folder.path),
+    }  # fmt: skip
+    return {
+        "name": SHARED, "url": f"http://127.0.0.1:{port + 4}", "oauth_no_confirm": True,
+        "command": [
+            sys.executable, "-m", "app", "shared-robot", "--robot", robot, "--turn", str(turn_min),
+        ],
+        "environment": environment, "cwd": str(folder.path),
+    }  # fmt: skip
+
+
+def _wall(folder: ClassFolder, port: int, *, shared: bool) -> dict[str, Any]:
     environment = {
         "BRICKPOSE_CLASS": str(folder.path), "BRICKPOSE_PROXY_ADDRESS": f"http://127.0.0.1:{port}",
         "PYTHONPATH": os.environ.get("PYTHONPATH", ""),
     }  # fmt: skip
+    if shared:
+        environment["BRICKPOSE_SHARED_ROBOT"] = f"services/{SHARED}/"
     return {
         "name": "wall", "url": f"http://127.0.0.1:{port + 3}", "oauth_no_confirm": True,
         "command": [sys.executable, "-m", "app.features.classroom.wall.service"],

@@ -12,7 +12,7 @@ from urllib.parse import urlsplit
 
 from jupyterhub.spawner import SimpleLocalProcessSpawner
 from jupyterhub.utils import random_port
-from traitlets import Bool, Dict, Float, List, Unicode
+from traitlets import Bool, Dict, Float, Int, List, Unicode
 
 from app.features.classroom.class_folder import ClassFolder
 from app.features.classroom.warm.request import Confinement, CopyRequest, ask, start_parent
@@ -30,6 +30,7 @@ class StudentSpawner(SimpleLocalProcessSpawner):
 
     class_folder = Unicode(help="The class's folder.").tag(config=True)
     warm = Bool(True, help="Copy a warm process where that is possible.").tag(config=True)
+    disk_mb = Int(0, help="Most room of a student's folder [MB]; 0 is no limit.").tag(config=True)
     started_at = Float(0.0)
     request = Dict()
     starts = List()
@@ -62,7 +63,8 @@ class StudentSpawner(SimpleLocalProcessSpawner):
         memory = int(self.mem_limit or 0)
         hub_port = urlsplit(self.hub.api_url).port or 80
         place = str(self._folder.path)
-        confined = Confinement(place, str(home), self.user.id, memory, port, hub_port)
+        disk = self.disk_mb << 20
+        confined = Confinement(place, str(home), self.user.id, memory, port, hub_port, disk)
         words = [*self.cmd[3:], *self.get_args()]
         request = CopyRequest(words, self.get_env(), str(home), confined)
         self.request = request.to_json()

@@ -49,14 +49,15 @@ def _content(path: Path) -> bytes | None:
 
 
 def grade(folder: ClassFolder, logins: list[str]) -> Path:
-    """Collect and grade; return the CSV, with a row for each file.
+    """Collect and grade; return the CSV, a row for each file, beside which JUnit's XML is.
 
     Raises:
         RuntimeError: the grader said no more than words.
     """
     copies, result = collect(folder, logins), folder.path / "results.csv"
+    junit = result.with_suffix(".xml")
     result.unlink(missing_ok=True)
-    words = ["check", str(copies), "--csv", str(result)]
+    words = ["check", str(copies), "--csv", str(result), "--junit", str(junit)]
     done = subprocess.run(
         [sys.executable, "-m", "app", *words],
         capture_output=True, text=True, timeout=GRADING_S, check=False, stdin=subprocess.DEVNULL,

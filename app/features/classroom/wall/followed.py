@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import math
+import time
 from dataclasses import dataclass, field
 from typing import Any
 from urllib.request import ProxyHandler, Request, build_opener
@@ -15,6 +17,9 @@ from websockets.exceptions import WebSocketException
 RATE_HZ = 2
 """Telemetry of each student a second: thirty of them are sixty messages, a tenth of a core."""
 ANSWER_S = 5.0
+SELDOM_S = 10.0
+"""A server that sleeps is asked so seldom [s]: when it wakes, its telemetry says so. Asked each
+second, it would cost a third of what sleeping costs."""
 AGAIN_S = 1.0
 OPENER = build_opener(ProxyHandler({}))  # the students' servers are near
 
@@ -28,10 +33,15 @@ class FollowedServer:
     token: str
     telemetry: dict[str, Any] = field(default_factory=dict)
     desk: dict[str, Any] = field(default_factory=dict)
+    progress: dict[str, Any] = field(default_factory=dict)
+    """Numbers of the lesson at hand, and of those that were begun and have passed."""
     field_name: str = ""
     area: dict[str, Any] = field(default_factory=dict)
     """``/api/field`` of the newest field."""
     _socket: ClientConnection | None = None
+    _slept: dict[str, Any] = field(default_factory=dict)
+    """The telemetry with which it was asleep, when it was asked last."""
+    _asked: float = -math.inf
 
     @property
     def headers(self) -> dict[str, str]:
@@ -58,8 +68,14 @@ class FollowedServer:
             await anyio.sleep(AGAIN_S)
 
     async def look(self) -> None:
-        """Read what the desk has, and the field if it is another one."""
+        """Read what the desk has, and the field if it is another one; seldom while it sleeps."""
+        stamp = time.monotonic()
+        still = self.desk.get("asleep") and self.telemetry is self._slept
+        if still and stamp - self._asked < SELDOM_S:
+            return
+        self._slept, self._asked = self.telemetry, stamp
         self.desk = await self.ask("classroom") or {}
+        self.progress = await self.ask("api/progress") or {}
         name = str(self.telemetry.get("map", ""))
         if name and name != self.field_name:
             self.area = await self.ask("api/field") or {}
@@ -92,7 +108,14 @@ class FollowedServer:
     async def read(self, path: str, body: dict[str, Any] | None = None) -> bytes | None:
         """Return what the server has at a path; None if it has nothing."""
         data = None if body is None else json.dumps(body).encode()
-        request = Request(self.address + path, data, self.headers)
+        return await self._fetched(Request(self.address + path, data, self.headers))
+
+    async def put(self, path: str, content: bytes) -> bool:
+        """Put something to a path of the server; return whether it was taken."""
+        request = Request(self.address + path, content, self.headers, method="PUT")
+        return await self._fetched(request) is not None
+
+    async def _fetched(self, request: Request) -> bytes | None:
 
         def fetched() -> bytes | None:
             try:

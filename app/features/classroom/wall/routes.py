@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
+from urllib.parse import quote
 
-from fastapi import APIRouter, HTTPException, Response
-from fastapi.responses import FileResponse
+from fastapi import APIRouter, HTTPException, Request, Response
+from fastapi.responses import FileResponse, HTMLResponse
 from pydantic import BaseModel, ConfigDict, Field
 
 from app.features.classroom.class_desk import LONGEST_MESSAGE
+from app.features.classroom.shared.queue_desk import QueueWish
 from app.features.classroom.wall.collecting import Results
 from app.features.classroom.wall.followed import FollowedServer
 from app.features.classroom.wall.wall import Wall
+from app.page.language import page
 from app.settings.config import FRONTEND
 
 PAGE = FRONTEND / "features" / "classroom" / "wall"
+LONGEST_RECORDING = 64 << 20
+"""Of a recording that is handed out [bytes]."""
 
 
 class _Asked(BaseModel):
@@ -44,6 +49,12 @@ class StartPlace(_Asked):
     theta: Annotated[float, Field(allow_inf_nan=False, ge=-7, le=7)]
 
 
+class UseLesson(_Asked):
+    """Hands out a lesson, by its number; 0 takes it back."""
+
+    number: Annotated[int, Field(ge=0, le=999)]
+
+
 class UseField(_Asked):
     """Hands out a field."""
 
@@ -55,8 +66,12 @@ def shown_router(wall: Wall) -> APIRouter:
     router = APIRouter()
 
     @router.get("/")
-    def page() -> FileResponse:
-        return FileResponse(PAGE / "wall.html", headers={"Cache-Control": "no-cache"})
+    def shown(request: Request) -> HTMLResponse:
+        return page(PAGE / "wall.html", request)
+
+    @router.get("/api/queue")
+    async def queue() -> dict[str, Any] | None:
+        return await wall.queue()
 
     @router.get("/api/tiles")
     def tiles() -> list[dict[str, Any]]:
@@ -95,6 +110,21 @@ def orders_router(wall: Wall) -> APIRouter:
 
         return await wall.of_each(asked.logins, put)
 
+    @router.post("/api/queue")
+    async def queue(asked: QueueWish) -> dict[str, Any] | None:
+        return await wall.queue({"action": asked.action, "login": asked.login})
+
+    @router.post("/api/start")
+    async def start() -> dict[str, int]:
+        return {"started": await wall.start_all()}
+
+    return router
+
+
+def handouts_router(wall: Wall) -> APIRouter:
+    """Return the routes by which the teacher hands out fields, lessons and recordings."""
+    router = APIRouter()
+
     @router.post("/api/field")
     async def use_field(asked: UseField) -> dict[str, Any]:
         async def change(server: FollowedServer) -> bool:
@@ -102,9 +132,19 @@ def orders_router(wall: Wall) -> APIRouter:
 
         return await wall.of_each(asked.logins, change)
 
-    @router.post("/api/start")
-    async def start() -> dict[str, int]:
-        return {"started": await wall.start_all()}
+    @router.post("/api/lesson")
+    async def lesson(asked: UseLesson) -> dict[str, Any]:
+        return await wall.of_each(asked.logins, partial(_order, lesson=asked.number))
+
+    @router.put("/api/recordings/{name}")
+    async def recording(name: str, request: Request) -> dict[str, Any]:
+        content = b""
+        async for part in request.stream():
+            content += part
+            if len(content) > LONGEST_RECORDING:
+                raise HTTPException(413, "a recording of more than 64 MB is too long for a class")
+        path = f"api/recordings/{quote(name)}"
+        return await wall.of_each(None, lambda server: server.put(path, content))
 
     return router
 
@@ -119,13 +159,14 @@ def results_router(wall: Wall, results: Results) -> APIRouter:
             raise HTTPException(409, "the students' folders are not on this machine")
         results.begin(wall.folder, list(wall.names))
 
-    @router.get("/api/results.csv")
-    async def newest() -> Response:
+    @router.get("/api/results.{kind}")
+    async def newest(kind: Literal["csv", "xml"]) -> Response:
         if results.failure:
             raise HTTPException(409, results.failure)
         if results.file is None:  # a proxy would not wait until all are graded
             return Response(status_code=202)
-        return FileResponse(results.file, media_type="text/csv", filename="results.csv")
+        file = results.file.with_suffix(f".{kind}")
+        return FileResponse(file, media_type=f"text/{kind}", filename=file.name)
 
     return router
 

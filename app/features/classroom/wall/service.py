@@ -15,10 +15,17 @@ from starlette.staticfiles import StaticFiles
 from app.features.classroom.hub_client import HubClient, HubEnvironment
 from app.features.classroom.sign_in import Sessions, SignIn
 from app.features.classroom.wall.collecting import Results
-from app.features.classroom.wall.routes import PAGE, orders_router, results_router, shown_router
+from app.features.classroom.wall.routes import (
+    handouts_router,
+    orders_router,
+    results_router,
+    shown_router,
+)
 from app.features.classroom.wall.wall import Wall, class_folder_of
 from app.features.reverse_proxy.below_path import BelowPath
 from app.page.access import SameOriginOnly
+from app.page.language import language_router
+from app.settings.config import FRONTEND
 
 
 def wall_app(wall: Wall, hub: HubClient) -> FastAPI:
@@ -36,9 +43,11 @@ def wall_app(wall: Wall, hub: HubClient) -> FastAPI:
 
     app = FastAPI(title="BrickPose: wall", lifespan=lifespan, docs_url=None, redoc_url=None)
 
-    for router in (shown_router(wall), orders_router(wall), results_router(wall, results)):
+    own = (shown_router(wall), orders_router(wall), handouts_router(wall))
+    routers = (*own, results_router(wall, results))
+    for router in (*routers, language_router()):
         app.include_router(router)
-    app.mount("/static", StaticFiles(directory=PAGE), name="static")
+    app.mount("/static", StaticFiles(directory=FRONTEND), name="static")
     app.add_middleware(SameOriginOnly, names=frozenset({"localhost"}))
     app.add_middleware(SignIn, hub=hub, sessions=Sessions())
     app.add_middleware(BelowPath, root=unquote(hub.environment.prefix).rstrip("/"))

@@ -35,6 +35,14 @@ class Wall:
         self.hub = hub
         self.folder = folder
         self._address = address
+        shared = os.environ.get("BRICKPOSE_SHARED_ROBOT")
+        base = hub.environment.base_url
+        self.shared = (
+            FollowedServer(f"{address}{base}{shared}", hub.environment.api_token)
+            if shared
+            else None
+        )
+        """The robot that the class shares, if there is one."""
         self._servers: dict[str, FollowedServer] = {}
         self._scopes: dict[str, anyio.CancelScope] = {}
         self._pending: set[str] = set()
@@ -99,6 +107,9 @@ class Wall:
             "frozen": desk.get("frozen", False),
             "message": desk.get("message", ""),
             "hand": desk.get("hand", False),
+            "lesson": server.progress.get("lesson"),
+            "passed": len(server.progress.get("passed", ())),
+            "begun": len(server.progress.get("begun", ())),
             "asleep": desk.get("asleep", False),
         }
 
@@ -135,6 +146,13 @@ class Wall:
         for login in waiting:
             await anyio.to_thread.run_sync(start, login)
         return len(waiting)
+
+    async def queue(self, wish: dict[str, str] | None = None) -> dict[str, Any] | None:
+        """Return the queue of the shared robot, after a wish; None if there is none."""
+        if self.shared is None:
+            return None
+        queue: dict[str, Any] | None = await self.shared.ask("queue", wish)
+        return queue and queue | {"url": self.shared.address.removeprefix(self._address)}
 
     async def picture(self, login: str) -> bytes | None:
         """Return the floor of a student's field; None if there is none."""

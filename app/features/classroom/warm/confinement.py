@@ -18,9 +18,8 @@ from pathlib import Path
 import numba
 
 from app.features.classroom.warm.request import Confinement
+from app.features.classroom.warm.watch import FIRST_USER
 
-FIRST_USER = 1_800_000_000
-"""Numbers of the system's users from here on belong to nobody; a student's number is added."""
 MOST_PROCESSES = 120
 """Of a student's own user: the program has some thirty with its threads, and as many again for a
 grader's. A fork bomb ends there."""
@@ -28,7 +27,7 @@ MOST_FILE = 1 << 30
 """Longest file [bytes]."""
 NICER = 2
 CREATE_RULESET, ADD_RULE, RESTRICT_SELF = 444, 445, 446
-SET_NO_NEW_PRIVS, KEEP_RIGHTS, AMBIENT, AMBIENT_RAISE = 38, 8, 47, 2
+SET_NO_NEW_PRIVS, KEEP_RIGHTS, AMBIENT, AMBIENT_RAISE, CHILD_SUBREAPER = 38, 8, 47, 2, 36
 RIGHTS_VERSION = 0x20080522
 READ_ANYTHING = 1 << 2
 """Root's right to read files whoever owns them, for a Python that lies in a folder of root's; then
@@ -48,8 +47,13 @@ OTHERS = 0b11
 """Abstract sockets and signals of processes outside."""
 
 
-def confine(held: Confinement) -> list[str]:
-    """Hold this process for good; return the fences, in words."""
+def confine(held: Confinement, longest_file: int = MOST_FILE) -> list[str]:
+    """Hold this process for good; return the fences, in words.
+
+    Args:
+        held: to what.
+        longest_file: no file gets longer [bytes].
+    """
     home = Path(held.home)
     fences = ["limits of the system"]
     is_root = os.geteuid() == 0
@@ -57,11 +61,14 @@ def confine(held: Confinement) -> list[str]:
     if is_root:
         _give_away(home, user)
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    resource.setrlimit(resource.RLIMIT_FSIZE, (MOST_FILE, MOST_FILE))
+    resource.setrlimit(resource.RLIMIT_FSIZE, (longest_file, longest_file))
     if held.memory:
-        # Of each process: what it writes for itself, not what it shares or maps.
-        resource.setrlimit(resource.RLIMIT_DATA, (held.memory, held.memory))
+        # Of each process: what it can write beside what a warm process has, and shares.
+        most = held.memory + _data_now()
+        resource.setrlimit(resource.RLIMIT_DATA, (most, most))
     os.nice(NICER)
+    if sys.platform == "linux":  # who loses its parent stays below the server, where it is watched
+        ctypes.CDLL(None).prctl(CHILD_SUBREAPER, 1, 0, 0, 0)
     hidden = False
     if is_root:
         hidden = not all(_anybody_reads(path) for path in (ROOT, Path(sys.base_prefix)))
@@ -73,6 +80,14 @@ def confine(held: Confinement) -> list[str]:
         _become(user, reads_anything=hidden and fenced)
         fences.append("a user of its own")
     return fences
+
+
+def _data_now() -> int:
+    """Return what this process can write now [bytes]."""
+    try:
+        return int(Path("/proc/self/statm").read_text().split()[5]) * resource.getpagesize()
+    except OSError:
+        return 0
 
 
 def _anybody_reads(path: Path) -> bool:

@@ -6,6 +6,7 @@ copy goes on as a program does that has just imported everything.
 
 from __future__ import annotations
 
+import ctypes
 import gc
 import importlib
 import json
@@ -21,12 +22,15 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from app.features.classroom.warm.confinement import confine
-from app.features.classroom.warm.request import LONGEST, CopyRequest
+from app.features.classroom.warm.confinement import MOST_FILE, confine
+from app.features.classroom.warm.request import ENDED, LONGEST, CopyRequest
+from app.features.classroom.warm.watch import LOOK_S, ClassWatch
 
 STEPS = 20
 """Ticks that a robot is driven before, so that what is made at a first tick is shared, too."""
 ALONE_S = 10.0
+THP_DISABLE = 41
+"""``prctl``: no huge pages. NumPy asks for them, and a byte that is written then costs 2 MB."""
 LOG = "brickpose.log"
 ROOMS = ("app.engine", "app.page", "app.messages", "app.languages", "app.settings", "app.features")
 COLD = (
@@ -62,6 +66,7 @@ class WarmParent:
 
     def __init__(self, place: Path) -> None:
         self._place = place
+        self._watch = ClassWatch()
 
     def serve(self) -> None:
         """Copy this process at each request; returns in a copy only, by ending it."""
@@ -73,8 +78,18 @@ class WarmParent:
             listening.bind(str(self._place))
             os.umask(mask)
             listening.listen(64)
+            next_look = time.monotonic() + LOOK_S
             while True:
-                connection, _ = listening.accept()
+                # Many who ask must not keep it from looking, nor the other way round.
+                listening.settimeout(max(next_look - time.monotonic(), 0.0) or 0.001)
+                connection = None
+                with suppress(TimeoutError):
+                    connection, _ = listening.accept()
+                if time.monotonic() >= next_look:
+                    self._watch.look()
+                    next_look = time.monotonic() + LOOK_S
+                if connection is None:
+                    continue
                 with connection:
                     connection.settimeout(5.0)
                     with suppress(OSError):
@@ -87,6 +102,10 @@ class WarmParent:
             return  # who only asks whether this is there
         try:
             request = CopyRequest.from_json(json.loads(line))
+            confinement = request.confinement
+            self._watch.clear(confinement)
+            longest = self._watch.longest_file(confinement, MOST_FILE)
+            why_ended = self._watch.ended.pop(confinement.home, "")
             pid = os.fork()
         except (OSError, ValueError, TypeError, KeyError) as error:
             connection.sendall(json.dumps({"error": str(error)}).encode() + b"\n")
@@ -94,11 +113,12 @@ class WarmParent:
         if not pid:
             listening.close()
             connection.close()
-            _become(request)
+            _become(request, longest, why_ended)
+        self._watch.begin(pid, confinement)
         connection.sendall(json.dumps({"pid": pid}).encode() + b"\n")
 
 
-def _become(request: CopyRequest) -> None:
+def _become(request: CopyRequest, longest_file: int, why_ended: str) -> None:
     """Be the program of a request, until it ends, and this process with it."""
     code = 1
     try:
@@ -107,9 +127,9 @@ def _become(request: CopyRequest) -> None:
             signal.signal(each, signal.SIG_DFL)
         signal.signal(signal.SIGINT, signal.default_int_handler)
         os.environ.clear()
-        os.environ.update(request.environment)
+        os.environ.update({**request.environment, ENDED: why_ended})
         os.chdir(request.folder)
-        confine(request.confinement)
+        confine(request.confinement, longest_file)
         _use_log(Path(request.folder, LOG))
         sys.argv = ["brickpose", *request.words]
         # By its name: it is above this room.
@@ -175,5 +195,6 @@ def get_warm() -> None:
 
 
 if __name__ == "__main__":
+    ctypes.CDLL(None).prctl(THP_DISABLE, 1, 0, 0, 0)  # copies inherit it
     get_warm()
     WarmParent(Path(sys.argv[1])).serve()

@@ -1,15 +1,25 @@
 // @ts-check
 /** The teacher's wall: a tile for each student, and orders to all of them. */
 
+import { offerLanguages, t, tn, translated } from "../../../page/language.js";
+
 const EVERY_MS = 1000;
 const RADIUS = 0.06;
+/** What robots claim of where they are. @type {Record<string, string>} */
+const STATES = {
+  certain: t("certain"), approximate: t("about here"), ambiguous: t("several places look alike"),
+  searching: t("searching"), lost: t("lost"), given: t("as it was told"),
+};
 
 /**
  * @typedef {{x: number, y: number, theta: number}} Pose
  * @typedef {{login: string, name: string, awake: boolean, pending: boolean, url?: string,
  *   map?: string, truth?: Pose | null, estimate?: Pose | null, mode?: string,
  *   integrity?: {state: string, radius: number | null} | null, extent?: number[] | null,
- *   frozen?: boolean, message?: string, hand?: boolean, asleep?: boolean}} Tile
+ *   frozen?: boolean, message?: string, hand?: boolean, asleep?: boolean,
+ *   lesson?: number | null, passed?: number, begun?: number}} Tile
+ * @typedef {{driver: string | null, waiting: string[], ended: boolean, seconds_left: number,
+ *   url: string}} Queue
  */
 
 /** @param {string} id @returns {any} */
@@ -28,26 +38,34 @@ async function order(path, body = {}) {
   const headers = { "Content-Type": "application/json" };
   const request = { method: "POST", headers, body: JSON.stringify(body) };
   const answer = await fetch(`api/${path}`, request).catch(() => null);
-  if (!answer) tell("The wall does not answer.");
+  if (!answer) tell(t("The wall does not answer."));
   else if (!answer.ok) tell(`${(await answer.json().catch(() => ({}))).detail ?? answer.status}`);
   else tell("");
   return answer?.ok ? answer : null;
 }
 
 /** @param {Tile} tile */
-function words({ awake, pending, integrity, frozen: held, mode, asleep }) {
-  if (!awake) return pending ? "starting" : "not here";
-  if (!integrity) return "waiting";
-  const radius = integrity.radius === null ? "" : ` ± ${Math.round(integrity.radius * 1000)} mm`;
-  return [`${integrity.state}${radius}`, mode === "idle" ? "" : mode, asleep ? "asleep" : "", held ? "frozen" : ""]
-    .filter(Boolean).join(", ");
+function words({ awake, pending, integrity, frozen: held, mode, asleep, lesson, passed, begun }) {
+  if (!awake) return pending ? t("starting") : t("not here");
+  if (!integrity) return t("waiting");
+  const state = STATES[integrity.state] ?? integrity.state;
+  const bound = integrity.radius === null ? "" : ` ± ${Math.round(integrity.radius * 1000)} mm`;
+  const marks = { lesson: lesson ?? 0, passed: passed ?? 0, begun: begun ?? 0 };
+  return [
+    state + bound,
+    mode === "idle" ? "" : translated(mode ?? ""),
+    asleep ? t("asleep") : "",
+    held ? t("frozen") : "",
+    lesson ? t("lesson {lesson}: {passed} of {begun} passed", marks) : "",
+  ].filter(Boolean).join(", ");
 }
 
 /** @param {Tile} tile */
 function made({ login, name }) {
   const article = document.createElement("article");
   article.dataset.login = login;
-  article.innerHTML = '<h2><span></span><span class="hand"></span></h2><canvas width="320" height="240"></canvas><p></p><a target="_blank">watch</a>';
+  article.innerHTML = '<h2><span></span><span class="hand"></span></h2><canvas width="320" height="240"></canvas><p></p><a target="_blank"></a>';
+  /** @type {HTMLElement} */ (article.querySelector("a")).textContent = t("watch");
   /** @type {HTMLElement} */ (article.querySelector("h2 span")).textContent = name;
   byId("tiles").append(article);
   const entry = { article, floor: new Image(), map: "" };
@@ -62,7 +80,7 @@ function show(tile) {
   article.dataset.awake = String(tile.awake);
   article.dataset.hand = String(Boolean(tile.hand));
   article.dataset.frozen = String(Boolean(tile.frozen));
-  /** @type {HTMLElement} */ (article.querySelector(".hand")).textContent = tile.hand ? "hand up" : "";
+  /** @type {HTMLElement} */ (article.querySelector(".hand")).textContent = tile.hand ? t("hand up") : "";
   /** @type {HTMLElement} */ (article.querySelector("p")).textContent = words(tile);
   const link = /** @type {HTMLAnchorElement} */ (article.querySelector("a"));
   link.hidden = !tile.url;
@@ -114,8 +132,8 @@ async function look() {
   const awake = all.filter((tile) => tile.awake);
   frozen = awake.length > 0 && awake.every((tile) => tile.frozen);
   byId("freeze").setAttribute("aria-pressed", String(frozen));
-  byId("freeze").textContent = frozen ? "Let all go on" : "Freeze all";
-  byId("summary").textContent = `${awake.length} of ${all.length} are here`;
+  byId("freeze").textContent = frozen ? t("Let all go on") : t("Freeze all");
+  byId("summary").textContent = t("{here} of {all} are here", { here: awake.length, all: all.length });
 }
 
 byId("freeze").onclick = async () => {
@@ -132,29 +150,82 @@ byId("place").onsubmit = (/** @type {SubmitEvent} */ event) => {
   const { x, y, theta } = byId("place").elements;
   order("place", { x: Number(x.value), y: Number(y.value), theta: (Number(theta.value) * Math.PI) / 180 });
 };
+byId("lesson").onsubmit = (/** @type {SubmitEvent} */ event) => {
+  event.preventDefault();
+  order("lesson", { number: Number(byId("lesson").elements.number.value) });
+};
+byId("recording").onchange = async () => {
+  const [file] = byId("recording").files;
+  if (!file) return;
+  tell(t("Handing out {name} …", { name: file.name }));
+  const place = `api/recordings/${encodeURIComponent(file.name)}`;
+  const answer = await fetch(place, { method: "PUT", body: file }).catch(() => null);
+  byId("recording").value = "";
+  const taken = answer?.ok ? Object.values(await answer.json()) : [];
+  const count = taken.filter(Boolean).length;
+  const all = { all: taken.length };
+  tell(tn("{count} robot has it now, of {all}.", "{count} robots have it now, of {all}.", count, all));
+};
 byId("field").onsubmit = (/** @type {SubmitEvent} */ event) => {
   event.preventDefault();
   order("field", { name: byId("field").elements.name.value });
 };
 byId("collect").onclick = async () => {
   byId("collect").disabled = true;
-  tell("Grading …");
+  tell(t("Grading …"));
   let answer = await order("collect");
   while (answer?.status === 202) {
-    tell("Grading …");
+    tell(t("Grading …"));
     await new Promise((resolve) => setTimeout(resolve, EVERY_MS));
     answer = await fetch("api/results.csv", { cache: "no-store" }).catch(() => null);
   }
   byId("collect").disabled = false;
   if (!answer?.ok) {
-    if (answer) tell((await answer.json().catch(() => ({}))).detail ?? "Grading failed.");
+    if (answer) tell((await answer.json().catch(() => ({}))).detail ?? t("Grading failed."));
     return;
   }
   tell("");
+  byId("junit").hidden = false;
   const link = document.createElement("a");
   link.href = URL.createObjectURL(await answer.blob());
   link.download = "results.csv";
   link.click();
 };
+
+/** @param {Queue | null} queue */
+function showQueue(queue) {
+  byId("queue").hidden = !queue;
+  if (!queue) return;
+  byId("queue-watch").href = queue.url;
+  const values = { name: queue.driver ?? "", seconds: queue.seconds_left };
+  const driver = queue.driver === null ? t("Nobody drives.") : t("{name} drives, {seconds} s more.", values);
+  const { waiting } = queue;
+  const names = { names: waiting.join(", ") };
+  const others = waiting.length ? tn("{count} waits: {names}", "{count} wait: {names}", waiting.length, names) : "";
+  byId("queue-told").textContent = queue.ended ? t("The queue is closed.") : `${driver} ${others}`;
+  byId("queue-end").textContent = queue.ended ? t("Open the queue") : t("End the queue");
+  byId("queue-end").dataset.action = queue.ended ? "open" : "end";
+  const list = byId("queue-login");
+  if (list.length === tiles.size) return;
+  list.replaceChildren(...[...tiles.keys()].map((name) => new Option(name, name)));
+}
+
+async function lookAtQueue() {
+  const answer = await fetch("api/queue", { cache: "no-store" }).catch(() => null);
+  if (answer?.ok) showQueue(await answer.json());
+}
+
+/** @param {string} action @param {string} [login] */
+async function wish(action, login = "") {
+  const answer = await order("queue", { action, login });
+  if (answer) showQueue(await answer.json());
+}
+
+byId("queue-skip").onclick = () => wish("skip");
+byId("queue-hand").onclick = () => wish("hand", byId("queue-login").value);
+byId("queue-end").onclick = () => wish(byId("queue-end").dataset.action);
+offerLanguages(byId("language"));
 setInterval(look, EVERY_MS);
+setInterval(lookAtQueue, EVERY_MS);
 look();
+lookAtQueue();

@@ -36,20 +36,23 @@ def refused(capsys, *words: str) -> tuple[int, str]:
 
 
 def test_configuration_and_links_are_written(students, installed, capsys):
-    assert main(["class", str(students), "--write-only", "--port", "9100", "--memory", "700"]) == 0
+    assert main(["class", str(students), "--write-only", "--port", "9100", "--memory", "700",
+                 "--disk", "50"]) == 0  # fmt: skip
     folder = students.with_suffix(".class")
     text = (folder / "jupyterhub_config.py").read_text()
     compile(text, "jupyterhub_config.py", "exec")
     assert "port=9100" in text
     assert "memory_mb=700" in text
+    assert "disk_mb=50" in text
     assert str(folder / "links.html") in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(
     ("words", "told"),
     [
-        (("--port", "65534"), "--port is 65534; valid are 1 to 65532"),
+        (("--port", "65534"), "--port is 65534; valid are 1 to 65531"),
         (("--memory", "10"), "--memory is 10; valid are 300 to"),
+        (("--disk", "5"), "--disk is 5; valid are 10 to"),
         (("--idle", "0"), "--idle is 0; valid are 1 to"),
         (("--address", "school"), "--address is 'school'; valid is http://NAME:PORT"),
     ],

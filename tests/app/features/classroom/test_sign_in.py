@@ -187,6 +187,16 @@ def test_a_sign_out_is_heard_and_the_hub_is_not_asked_each_time(browser, hub, cl
     assert browser.open(PREFIX).status_code == 302
 
 
+def test_who_has_signed_in_goes_on_while_the_hub_is_begun_again(browser, hub, clock):
+    browser.sign_in(hub, "ada's")
+    hub.answers = False
+    clock.stamp += CHECK_S
+    assert browser.open(PREFIX).status_code == 200
+    hub.answers = True
+    del hub.people["ada's"]
+    assert browser.open(PREFIX).status_code == 302, "it is asked again as soon as it is there"
+
+
 def test_a_hub_that_does_not_answer_lets_nobody_new_in(browser, hub):
     hub.answers = False
     answer = browser.ask(PREFIX, headers={"Authorization": "token ada's"})
@@ -211,7 +221,9 @@ ADA = {"Authorization": "token ada's"}
 
 def test_a_frozen_student_only_watches_and_the_teacher_still_drives(browser, state):
     answer = browser.ask(f"{PREFIX}classroom", "POST", headers=WALL, json={"frozen": True})
-    assert answer.json() == {"frozen": True, "message": "", "hand": False}
+    assert answer.json() == {
+        "frozen": True, "message": "", "lesson": 0, "hand": False, "ended": "",
+    }  # fmt: skip
     told = browser.ask(PREFIX, headers=ADA).json()
     assert (told["role"], told["code"]) == ("watch", False)
     assert browser.ask(f"{PREFIX}api/student_file", "PUT", headers=ADA).status_code == 403

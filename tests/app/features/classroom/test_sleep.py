@@ -43,9 +43,13 @@ async def until(condition) -> None:
 
 @pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
 def test_it_stands_still_when_the_last_one_has_gone_and_goes_on_at_the_next_look(process):
+    held: list[bool] = []
+    watched = program()
+    watched.engine.hold = held.append
+
     async def run() -> None:
         sleeper = Sleeper(0.02, lambda: [process.pid])
-        sleeper.watch(program())
+        sleeper.watch(watched)
         with sleeper.looked():
             with sleeper.looked():
                 pass
@@ -58,6 +62,7 @@ def test_it_stands_still_when_the_last_one_has_gone_and_goes_on_at_the_next_look
             assert not sleeper.asleep
 
     asyncio.run(run())
+    assert held == [True, False]
 
 
 @pytest.mark.parametrize(

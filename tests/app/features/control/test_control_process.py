@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import os
 import re
+import resource
 import signal
 import threading
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
@@ -18,7 +20,7 @@ from app.engine.engine_thread import EngineThread
 from app.engine.program import LocalProgram
 from app.engine.snapshot import Snapshot
 from app.features.control.messages import Go, SentTick
-from app.features.control.remote import RemoteProgram
+from app.features.control.remote import HELD_LOOK_S, RemoteProgram
 from app.features.faults.messages import SetFaultsCommand
 from app.messages.commands import PlaceCommand
 from app.page.serving import build_served
@@ -81,6 +83,29 @@ def test_whoever_needs_each_tick_gets_each_once():
         stamps = [each.stamp for each in collected(program, 100)]
         assert np.allclose(np.diff(stamps), 0.02)
         assert program.engine.audience.present is False
+
+
+def test_a_process_that_is_held_still_wakes_nobody_and_is_there_at_once_when_it_goes_on():
+    with served() as (program, _):
+        control = program.process.process.pid
+        until(program.engine.latest.get)
+        os.kill(control, signal.SIGSTOP)
+        program.engine.hold(True)
+        last = until(program.engine.latest.get)
+        before = _switches()
+        threading.Event().wait(2.0)
+        assert _switches() - before < 20  # sixty of the two threads, if each looked as usual
+        os.kill(control, signal.SIGCONT)
+        program.engine.hold(False)
+        begun = time.monotonic()
+        with program.engine.audience.joined():
+            newest(program, lambda snapshot: snapshot.stamp > last.stamp + 0.2)
+        assert time.monotonic() - begun < HELD_LOOK_S
+
+
+def _switches() -> int:
+    """How often threads of this process have waited."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_nvcsw
 
 
 def test_commands_faults_and_places_come_through():

@@ -8,6 +8,7 @@ import io
 import json
 import os
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 from course.correct import CORRECT
@@ -73,8 +74,16 @@ def test_neither_workers_nor_order_change_a_byte(folder):
 @pytest.mark.slow
 def test_the_command_tells_a_row_a_file(folder, tmp_path, capsys):
     out = tmp_path / "class.csv"
+    junit = tmp_path / "class.xml"
     words = ["check", str(folder), "--lesson", "1", "--csv", str(out), "--language", "en"]
-    assert main(words) == 1
+    assert main([*words, "--junit", str(junit)]) == 1
+    suites = ElementTree.parse(junit).getroot().findall("testsuite")
+    assert suites[0].get("name") == "ada/my_filter.py"
+    counted = [[suite.get(name, "0") for name in ("failures", "skipped")] for suite in suites]
+    assert counted[0] == ["0", "0"]
+    assert counted[1][0] != "0"
+    assert sum(suite.get("errors") == "1" for suite in suites) == 1, "the file that is too long"
+    assert counted[-1] == ["0", "1"]
     lines = capsys.readouterr().out.splitlines()
     assert lines[0].split() == ["1"]
     assert [line.split()[1] for line in lines[1:4]] == ["✓", "✗", "✗"]
@@ -90,7 +99,7 @@ def test_the_command_tells_a_row_a_file(folder, tmp_path, capsys):
 @pytest.mark.parametrize(
     ("words", "complaint"),
     [
-        (["{folder}", "--junit", "x.xml"], "--junit is for one file"),
+        (["{folder}", "--gradescope", "x.json"], "--gradescope is for one file"),
         (["{folder}/ada/my_filter.py", "--csv", "x.csv"], "--csv is for several files"),
         (["{folder}", "--workers", "2", "--cluster", "tcp://127.0.0.1:1"], "--workers is for this"),
         (["{folder}", "--workers", "0"], "valid is 1 or more"),

@@ -1,0 +1,32 @@
+"""A student's server, as the wall follows it: asked seldom while it sleeps."""
+
+from __future__ import annotations
+
+import asyncio
+
+from app.features.classroom.wall.followed import FollowedServer
+
+
+def test_a_server_that_sleeps_is_asked_again_as_soon_as_its_telemetry_goes_on(monkeypatch):
+    server = FollowedServer("http://127.0.0.1:1/user/ada/", "token")
+    asked: list[str] = []
+    desk = {"asleep": False}
+
+    async def ask(path: str) -> dict[str, bool]:
+        asked.append(path)
+        return desk.copy()
+
+    monkeypatch.setattr(server, "ask", ask)
+
+    def looks(count: int) -> int:
+        asked.clear()
+        for _ in range(count):
+            asyncio.run(server.look())
+        return asked.count("classroom")
+
+    assert looks(3) == 3
+    desk["asleep"] = True
+    assert looks(5) == 1
+    server.telemetry = {"stamp": 1.0}
+    desk["asleep"] = False
+    assert looks(3) == 3
