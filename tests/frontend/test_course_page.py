@@ -44,12 +44,12 @@ WORDS = {
 }
 
 
-@pytest.fixture(scope="module")
-def file(tmp_path_factory) -> Path:
-    return tmp_path_factory.mktemp("student") / "my_filter.py"
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    return tmp_path / "my_filter.py"  # of a student each: progress is kept beside it
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture
 def address(file) -> Iterator[str]:
     words = ("learn", "3", "--robot", "kinematic", "--map", "stub", "--port", "0")
     says = r"(http://[^\s]+/learn/3)"

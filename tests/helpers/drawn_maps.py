@@ -43,6 +43,14 @@ class MappingBench:
                 return
             self.drawer._follower.wait(0.05)
 
+    def follow(self, snapshot: Snapshot) -> None:
+        """Wait until the map is as far behind a tick as while driving; a robot may stand, too."""
+        for _ in range(20):
+            sketch = self.drawer.drawing.sketch
+            if sketch is None or sketch.stamp > snapshot.stamp - LAG_S:
+                return
+            self.drawer._follower.wait(0.02)
+
     def finish(self) -> None:
         """Finish the map."""
         self.drawer.finish()

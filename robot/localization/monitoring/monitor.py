@@ -65,9 +65,9 @@ they err BLIND times as much as each step alone, because slip lasts for about a 
 are never exactly as drawn. Half and twice of BLIND: nothing changes beyond chance. Half of SEEING:
 no claim changes; twice: nothing changes beyond chance (``--few``)."""
 HIDDEN = 2.0
-"""Factor on the variance of errors that cannot be excluded, while slip hides them. Half: with all
-errors at once (``slip_check.py``) 0.9 % are certain and wrong instead of 0.1; twice: 90.7 % certain
-on a slippery floor instead of 96.6."""
+"""Factor on the variance of errors that cannot be excluded, while slip, or another error that is
+told, hides them. Half: with all errors at once (``slip_check.py``) 0.9 % are certain and wrong, not
+0.1; twice: 90.7 % certain on a slippery floor instead of 96.6."""
 SCALE_SD, SCALE_DOUBTED = 0.008, 0.015
 """Standard deviation of the scale of a map that is not doubted, and of one that is. Half of
 SCALE_SD: misleading in 0.8 % instead of 0.7; twice: in 0.2, and as many certain (``--few``)."""
@@ -312,8 +312,10 @@ class Monitor:
             caused_spread,
         )
         known = known + turned_covariance(self._measured, pose.theta)
+        if self._slips or self._causes.alerts:
+            unknown = HIDDEN * unknown
         if self._slips:
-            unknown = HIDDEN * unknown + self._slip.covariance
+            unknown = unknown + self._slip.covariance
         return Doubt(known, unknown, self._causes.alerts, self._agrees)
 
     @property

@@ -90,4 +90,4 @@ def slid(covariance: Array, heading: float, way: float, turn: float, information
     before, turned = math.sqrt(ahead @ covariance @ ahead), math.sqrt(covariance[2, 2])
     wider = covariance + LEAST * np.eye(3) + (2 * before + by_way) * by_way * outer(ahead, ahead)
     wider[2, 2] += (2 * turned + by_turn) * by_turn
-    return inverse(inverse(wider) + information)
+    return np.ascontiguousarray(inverse(inverse(wider) + information))

@@ -25,6 +25,8 @@ START = ExploreCommand(type="explore", start=True)
 RENEW = ExploreCommand(type="explore")
 LONGEST_S = 200.0
 TICK_S = 0.02
+TICKS_DRAWN = 25
+"""A map is drawn so often."""
 MOST_WAITS = 200
 """For what is said at the end, each 0.05 s."""
 
@@ -45,9 +47,11 @@ def explored(bench: MappingBench) -> float:
         if tick > 0 and snapshot.mode == "idle":
             return tick * TICK_S
         bench.outlets.carry_out(PAGE, RENEW)
+        # Map and routes are made by another thread, which follows the real time.
         if snapshot.route is None:
-            # The next route is planned by another thread, which follows the real time.
             bench.drawer._follower.wait(0.005)
+        elif tick % TICKS_DRAWN == 0:
+            bench.follow(snapshot)
     raise AssertionError("the robot does not stop")
 
 
