@@ -103,6 +103,9 @@ class StudentSpawner(SimpleLocalProcessSpawner):
             except NotWarmError as error:
                 self.log.warning("%s", error)
             else:
+                # The hub keeps the state itself only when it has started a server.
+                self.orm_spawner.state = self.get_state()
+                self.db.commit()
                 return None
         self.clear_state()
         return 1
