@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from starlette.requests import Request
@@ -25,6 +25,8 @@ ADDRESS = "classroom"
 LONGEST_MESSAGE = 500
 LONGEST_BODY = 10_000
 ROLE = "brickpose.role"
+
+P = TypeVar("P", bound=BaseModel)
 
 
 class Order(BaseModel):
@@ -123,18 +125,26 @@ class ClassDesk:
         if request.method == "GET":
             shown = self._state.to_json() | {"asleep": self._sleeper.asleep}
             return JSONResponse(shown, headers={"Cache-Control": "no-store"})
-        if request.method != "POST":
-            return PlainTextResponse("valid are GET and POST", 405)
-        body = b""
-        async for part in request.stream():
-            body += part
-            if len(body) > LONGEST_BODY:
-                return PlainTextResponse("that is too long", 413)
-        try:
-            if owns:
-                self._state.hand = Hand.model_validate_json(body).hand
-            else:
-                self._state.obey(Order.model_validate_json(body))
-        except ValidationError as error:
-            return JSONResponse({"detail": json.loads(error.json())}, 422)
+        said = await (posted(request, Hand) if owns else posted(request, Order))
+        if isinstance(said, Response):
+            return said
+        if isinstance(said, Hand):
+            self._state.hand = said.hand
+        else:
+            self._state.obey(said)
         return JSONResponse(self._state.to_json())
+
+
+async def posted(request: Request, kind: type[P]) -> P | Response:
+    """Return what was posted, or the answer that refuses it."""
+    if request.method != "POST":
+        return PlainTextResponse("valid are GET and POST", 405)
+    body = b""
+    async for part in request.stream():
+        body += part
+        if len(body) > LONGEST_BODY:
+            return PlainTextResponse("that is too long", 413)
+    try:
+        return kind.model_validate_json(body)
+    except ValidationError as error:
+        return JSONResponse({"detail": json.loads(error.json())}, 422)

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import asyncio
-import json
 from contextlib import suppress
 from typing import Any, Literal
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict
 from starlette.requests import Request
 from starlette.responses import JSONResponse, PlainTextResponse, Response
 from starlette.types import ASGIApp, Receive, Scope, Send
 
-from app.features.classroom.class_desk import LONGEST_BODY, ROLE
+from app.features.classroom.class_desk import ROLE, posted
 from app.features.classroom.hub_client import Visitor
 from app.features.classroom.roster import TEACHER
 from app.features.classroom.shared.turns import TurnQueue
@@ -74,17 +73,9 @@ class QueueDesk:
     async def _answer(self, request: Request, visitor: Visitor) -> Response:
         if request.method == "GET":
             return self._shown_to(visitor)
-        if request.method != "POST":
-            return PlainTextResponse("valid are GET and POST", 405)
-        body = b""
-        async for part in request.stream():
-            body += part
-            if len(body) > LONGEST_BODY:
-                return PlainTextResponse("that is too long", 413)
-        try:
-            wish = QueueWish.model_validate_json(body)
-        except ValidationError as error:
-            return JSONResponse({"detail": json.loads(error.json())}, 422)
+        wish = await posted(request, QueueWish)
+        if isinstance(wish, Response):
+            return wish
         if wish.action in TEACHERS and not _teaches(visitor):
             return PlainTextResponse("Only the teacher does that.", 403)
         self._carry_out(wish, visitor.name)
