@@ -132,7 +132,7 @@ class MultiHypothesisFilter:
         """Lost while elsewhere is likelier; unconfirmed from a doubt until a search settles it."""
         if self._elsewhere.lost:
             return Standing.LOST
-        return Standing.CONFIRMED if self._confirmation.confirmed else Standing.UNCONFIRMED
+        return self._confirmation.standing
 
     @property
     def extra_sd(self) -> float:

@@ -104,7 +104,8 @@ class OdometryCheck:
         empty = (np.zeros(size) for size in (7, (7, 7), 7, 3, 3, 3, 2))
         self._sums = StepSums(np.diag(errors.odometry**-2), *empty)
         self._known: _Step | None = None
-        """The last pose that was known well; steps from it show what came while nothing was seen."""
+        """The last pose that was known well: steps from it show what came while nothing was seen.
+        """
         self._last: tuple[float, Pose2] | None = None
         """Stamp and odometry of the last pose; where odometry is, no jump of the pose changes."""
         self._followed = 0.0
