@@ -19,7 +19,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from robot.geometry import Array, Pose2, Twist2, turned_covariance
-from robot.localization.monitoring.slip_check import LEVER
+from robot.localization.monitoring.slip_check import LEVER, SLIPS, SPREADS
 from robot.localization.monitoring.steady_errors import SteadyErrors
 from robot.localization.monitoring.step_sums import (
     StepSums,
@@ -37,7 +37,7 @@ LATE_STEP = 0.04
 """Standard deviation of how much later pictures may come all at once [s]. If they come 90 ms later
 for a while (*stub*, *square* and *tee*, seeds 710 and 711), 0.8 % are certain and wrong, for 0.1 s;
 with three quarters of it 2.4 %, for 0.4 s; without it 10.5 %, for 4.1 s."""
-SLOWEST, LATE_JOLT, SLIDING, SPREADS, BLURRED = 0.02, 0.015, 0.1, 1.5, 2.0
+SLOWEST, LATE_JOLT, SLIDING, BLURRED = 0.02, 0.015, 0.15, 2.0
 SETTLING = 1.5
 """Until the robot has driven for this long after a place was given or found, steps ahead and aside
 do not contradict odometry [s]. Time at rest does not count, as the filter then takes no scans.
@@ -154,13 +154,29 @@ class OdometryCheck:
         if before is not None:
             self._compare(before, current, elapsed)
         known = self._known
-        if known is not None and _may_be_late(known, current):
+        if known is not None and self._may_be_late(known, current, elapsed):
             self.doubt_lateness()
         if known is None or current.sd < BLURRED * known.sd or stamp - known.stamp > LONGEST:
             self._known = current
         self._steps.append(current)
         while self._steps and stamp - self._steps[0].stamp > LONGEST:
             self._steps.popleft()
+
+    def _may_be_late(self, before: _Step, after: _Step, elapsed: float) -> bool:
+        """Return whether pictures that come later or earlier all at once would explain a step."""
+        motion = np.array([after.twist.v, LEVER * after.twist.omega])
+        speed = math.hypot(*motion)
+        if speed < SLOWEST:
+            return False
+        moved = before.odometry.inverse() @ after.odometry
+        offset = moved.inverse() @ before.pose.inverse() @ after.pose
+        ahead = abs(np.array([offset.x, LEVER * offset.theta]) @ motion) / speed
+        duration, slides = after.stamp - before.stamp, SLIPS
+        if duration > elapsed:
+            # Wheels that hardly slipped before do not slip much for as long as nothing was seen.
+            slides = min(SLIDING * max(float(self.errors.rest.max()), 1.0), SLIPS)
+        usual = speed * (LATE_JOLT + slides * duration) + SPREADS * math.hypot(before.sd, after.sd)
+        return bool(ahead > usual)
 
     def _before(self, stamp: float) -> _Step | None:
         before = None
@@ -191,17 +207,3 @@ class OdometryCheck:
     def _estimated(self, result: tuple[Array, Array, Array]) -> OdometryErrors:
         values, covariance, rest = result
         return OdometryErrors(values, covariance, rest, float(self._sums.counts[0]))
-
-
-def _may_be_late(before: _Step, after: _Step) -> bool:
-    """Return whether pictures that come later or earlier all at once would explain a step."""
-    motion = np.array([after.twist.v, LEVER * after.twist.omega])
-    speed = math.hypot(*motion)
-    if speed < SLOWEST:
-        return False
-    moved = before.odometry.inverse() @ after.odometry
-    offset = moved.inverse() @ before.pose.inverse() @ after.pose
-    ahead = abs(np.array([offset.x, LEVER * offset.theta]) @ motion) / speed
-    elapsed = after.stamp - before.stamp
-    usual = speed * (LATE_JOLT + SLIDING * elapsed) + SPREADS * math.hypot(before.sd, after.sd)
-    return bool(ahead > usual)
