@@ -37,7 +37,7 @@ LATE_STEP = 0.04
 """Standard deviation of how much later pictures may come all at once [s]. If they come 90 ms later
 for a while (*stub*, *square* and *tee*, seeds 710 and 711), 0.8 % are certain and wrong, for 0.1 s;
 with three quarters of it 2.4 %, for 0.4 s; without it 10.5 %, for 4.1 s."""
-SLOWEST, LATE_JOLT, SLIDING, BLURRED = 0.02, 0.015, 0.15, 2.0
+SLOWEST, LATE_JOLT, SLIDING, BLURRED = 0.02, 0.015, 0.1, 2.0
 SETTLING = 1.5
 """Until the robot has driven for this long after a place was given or found, steps ahead and aside
 do not contradict odometry [s]. Time at rest does not count, as the filter then takes no scans.
