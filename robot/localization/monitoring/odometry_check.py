@@ -37,7 +37,7 @@ LATE_STEP = 0.04
 """Standard deviation of how much later pictures may come all at once [s]. If they come 90 ms later
 for a while (*stub*, *square* and *tee*, seeds 710 and 711), 0.8 % are certain and wrong, for 0.1 s;
 with three quarters of it 2.4 %, for 0.4 s; without it 10.5 %, for 4.1 s."""
-SLOWEST, LATE_JOLT, SLIDING, BLURRED = 0.02, 0.015, 0.1, 2.0
+LATE_JOLT, SLIDING, BLURRED = 0.003, 0.1, 2.0
 SETTLING = 1.5
 """Until the robot has driven for this long after a place was given or found, steps ahead and aside
 do not contradict odometry [s]. Time at rest does not count, as the filter then takes no scans.
@@ -166,7 +166,7 @@ class OdometryCheck:
         """Return whether pictures that come later or earlier all at once would explain a step."""
         motion = np.array([after.twist.v, LEVER * after.twist.omega])
         speed = math.hypot(*motion)
-        if speed < SLOWEST:
+        if speed == 0.0:
             return False
         moved = before.odometry.inverse() @ after.odometry
         offset = moved.inverse() @ before.pose.inverse() @ after.pose
@@ -175,8 +175,8 @@ class OdometryCheck:
         if duration > elapsed:
             # Wheels that hardly slipped before do not slip much for as long as nothing was seen.
             slides = min(SLIDING * max(float(self.errors.rest.max()), 1.0), SLIPS)
-        usual = speed * (LATE_JOLT + slides * duration) + SPREADS * math.hypot(before.sd, after.sd)
-        return bool(ahead > usual)
+        usual = slides * speed * duration + SPREADS * math.hypot(before.sd, after.sd)
+        return bool(ahead > LATE_JOLT + usual)
 
     def _before(self, stamp: float) -> _Step | None:
         before = None
