@@ -36,8 +36,21 @@ def add_calibrate(command: CommandParser) -> None:
         nargs="?",
         type=Path,
         default=None,
-        metavar="RECORDING",
-        help="a recorded drive, instead of driving now",
+        metavar="RECORDING|PICTURES",
+        help="a recorded drive, or a folder of pictures, instead of driving now",
+    )
+    drive.add_argument(
+        "--odometry",
+        type=Path,
+        metavar="FILE.tum",
+        help="how the robot moved that took the pictures; --camera is then the file of its camera, "
+        "and --out that of the measured one (default: camera.yaml)",
+    )
+    drive.add_argument(
+        "--stamps",
+        type=Path,
+        metavar="FILE",
+        help="stamps and names of the pictures (default: their names are stamps)",
     )
     add_settings(drive, "robot", "map")
     drive.add_argument(
