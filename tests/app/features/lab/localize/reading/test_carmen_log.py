@@ -110,9 +110,7 @@ def test_another_drive_in_the_same_log_is_told(
 def test_a_clock_that_is_set_back_while_the_robot_drives_on_begins_no_drive(tmp_path: Path) -> None:
     path = tmp_path / "set_back.log"
     poses = [(1.0 + 0.3 * k, 1000.0 + 0.5 * k - 3600.0 * (k >= 8)) for k in range(16)]
-    path.write_text(
-        "".join(f"FLASER 2 2.0 2.0 {x} 0 0 {x} 0 0 {at!r} host 0\n" for x, at in poses)
-    )
+    path.write_text("".join(f"FLASER 2 2.0 2.0 {x} 0 0 {x} 0 0 {at!r} host 0\n" for x, at in poses))
     (drive,), remarks = read(path)
     stamps = [measured.scan.stamp for measured in drive]
     np.testing.assert_allclose(stamps, 1000.0 + 0.5 * np.arange(16))
