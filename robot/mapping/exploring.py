@@ -247,7 +247,8 @@ def _large(cells: Array, worth: Array, side: float, least: float) -> Array:
     if not len(cells):
         return cells
     reach = math.ceil(math.sqrt(least)) * side / 2
-    tree, places, free = cKDTree(cells), [], np.ones(len(cells), bool)
+    places: list[Array] = []
+    tree, free = cKDTree(cells), np.ones(len(cells), bool)
     sums = np.array([worth[near].sum() for near in tree.query_ball_point(cells, reach, p=np.inf)])
     for cell in np.argsort(-sums, kind="stable"):
         if sums[cell] >= least and free[cell]:

@@ -134,7 +134,11 @@ def picture_drive(
     """
     recorder = DriveRecorder(spec, settings, taped.tape)
     begin, end = odometry.stamps[0] - PAST_END, odometry.stamps[-1] + PAST_END
-    stamps, edges, unread, unmoved, to_turn = [], [], [], [], []
+    stamps: list[float] = []
+    edges: list[Array] = []
+    unread: list[str] = []
+    unmoved: list[str] = []
+    to_turn: list[str] = []
     for picture in pictures:
         if not begin <= picture.stamp <= end:
             unmoved.append(picture.name)
