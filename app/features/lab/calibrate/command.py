@@ -61,8 +61,6 @@ def calibrate_drive(given: dict[str, Any]) -> int:
         ContradictionError: it contradicts itself; only the report is written.
         SettingError, FieldError, RecordingError, OSError: says what cannot be used.
     """
-    if "odometry" in given:
-        return _by_pictures(given)
     if "stamps" in given:
         raise SettingError("--stamps has no effect without --odometry")
     until, force = given.pop("until", None), given.pop("force", False)
@@ -103,14 +101,6 @@ def calibrate_drive(given: dict[str, Any]) -> int:
     used = f"brickpose run{robot} --profile {out}"
     say(f"the profile is {out}, a report in {page}; use it by: {used}")
     return 0
-
-
-def _by_pictures(given: dict[str, Any]) -> int:
-    from app.features.lab.calibrate.picture_drive import calibrate_pictures  # noqa: PLC0415
-
-    if given.get("recording") is None:
-        raise SettingError("--odometry is of a folder of pictures; valid is drive PICTURES")
-    return calibrate_pictures(given, _show if sys.stderr.isatty() else _silent)
 
 
 def _silent(seconds: float, solution: Solution) -> None:

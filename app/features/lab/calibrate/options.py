@@ -113,9 +113,11 @@ def _add_robot(command: argparse.ArgumentParser, about: str) -> None:
 
 def _drive(parsed: argparse.Namespace) -> int:
     from app.features.lab.calibrate.command import calibrate_drive  # noqa: PLC0415
+    from app.features.lab.calibrate.picture_drive import calibrate_pictures  # noqa: PLC0415
 
+    given = _given(parsed)
     with interruptible():
-        return calibrate_drive(_given(parsed))
+        return calibrate_pictures(given) if "odometry" in given else calibrate_drive(given)
 
 
 def _add_printed_board(kinds: Commands) -> None:

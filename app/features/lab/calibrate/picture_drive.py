@@ -19,7 +19,7 @@ from scipy.spatial.transform import Rotation
 from app.console import say
 from app.engine.robots import robot_spec
 from app.features.lab.calibrate.calibrated_robot import CalibratedRobot
-from app.features.lab.calibrate.command import MOST_S, Report, lines_of
+from app.features.lab.calibrate.command import MOST_S, lines_of
 from app.features.lab.calibrate.drive_report import drive_report
 from app.features.lab.chosen_lens import read_chosen_lens
 from app.features.lab.localize.pictures.motion import PAST_END
@@ -69,7 +69,7 @@ class PictureDrive:
     """Names of pictures that say that they are to be turned, and are not."""
 
 
-def calibrate_pictures(given: dict[str, Any], report: Report) -> int:
+def calibrate_pictures(given: dict[str, Any]) -> int:
     """Run the command with its options by name; return 0.
 
     Raises:
@@ -83,7 +83,9 @@ def calibrate_pictures(given: dict[str, Any], report: Report) -> int:
             raise SettingError(
                 f"--{name.replace('_', '-')} has no effect with a folder of pictures"
             )
-    folder, out = given["recording"], given.get("out", OUT)
+    folder, out = given.get("recording"), given.get("out", OUT)
+    if folder is None:
+        raise SettingError("--odometry is of a folder of pictures; valid is drive PICTURES")
     if out.suffix not in SUFFIXES:
         raise SettingError(f"--out is {out}; valid is a file that ends in {' or '.join(SUFFIXES)}")
     page, seconds = given.get("report", out.with_suffix(".html")), given.get("seconds", MOST_S)
@@ -105,7 +107,7 @@ def calibrate_pictures(given: dict[str, Any], report: Report) -> int:
     drive = picture_drive(kept, odometry, spec, config.scanner, taped)
     for line in _left_out(drive):
         say(line)
-    calibration = calibrate(drive.log, spec, taped, begin, START_COVARIANCE, report)
+    calibration = calibrate(drive.log, spec, taped, begin, START_COVARIANCE)
     source = f"the pictures {folder.name} on {taped.name}"
     result = CalibratedRobot(spec, calibration, taped, drive.log.stamps, source)
     for line in lines_of(calibration):
