@@ -18,8 +18,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from robot.covariance import inverse
 from robot.geometry import Array, Pose2, Twist2, turned_covariance
-from robot.localization.monitoring.slip_check import LEVER, SLIPS, SPREADS
+from robot.localization.monitoring.slip_check import LEAST, LEVER
 from robot.localization.monitoring.steady_errors import SteadyErrors
 from robot.localization.monitoring.step_sums import (
     StepSums,
@@ -37,7 +38,7 @@ LATE_STEP = 0.04
 """Standard deviation of how much later pictures may come all at once [s]. If they come 90 ms later
 for a while (*stub*, *square* and *tee*, seeds 710 and 711), 0.8 % are certain and wrong, for 0.1 s;
 with three quarters of it 2.4 %, for 0.4 s; without it 10.5 %, for 4.1 s."""
-LATE_JOLT, SLIDING, BLURRED = 0.003, 0.1, 2.0
+LATE_JOLT, LATE_SDS, SLIDING, BLURRED, AGREEING = 0.003, 2.0, 0.1, 2.0, 1.5
 SETTLING = 1.5
 """Until the robot has driven for this long after a place was given or found, steps ahead and aside
 do not contradict odometry [s]. Time at rest does not count, as the filter then takes no scans.
@@ -89,10 +90,14 @@ class _Step:
     twist: Twist2
 
     @property
-    def sd(self) -> float:
-        """Standard deviation of the pose [m], its heading as a way of the wheels."""
-        x, y, heading = self.covariance.diagonal().tolist()
-        return math.sqrt(x + y + LEVER**2 * heading)
+    def motion(self) -> Array:
+        """(3,) how the pose changes in a second [m, m, rad]."""
+        return np.array([self.twist.v, 0.0, self.twist.omega])
+
+    @property
+    def tells(self) -> float:
+        """Information of the pose on when its picture was taken [1/s²]."""
+        return float(self.motion @ inverse(self.covariance + LEAST * np.eye(3)) @ self.motion)
 
 
 class OdometryCheck:
@@ -123,12 +128,11 @@ class OdometryCheck:
     def jump(self) -> None:
         """Forget earlier poses, because no step leads from them to the next one."""
         self._steps.clear()
-        self._known = None
 
     def restart(self) -> None:
         """Restart at a given or found place: its pose is corrected at first, and steps jump."""
         self.jump()
-        self._last, self._followed = None, 0.0
+        self._last, self._known, self._followed = None, None, 0.0
 
     def doubt_lateness(self) -> None:
         """Let pictures be as late as ``LATE_STEP`` says, whatever earlier steps told.
@@ -154,29 +158,30 @@ class OdometryCheck:
         if before is not None:
             self._compare(before, current, elapsed)
         known = self._known
-        if known is not None and self._may_be_late(known, current, elapsed):
+        if known is not None and self._may_be_late(known, current):
             self.doubt_lateness()
-        if known is None or current.sd < BLURRED * known.sd or stamp - known.stamp > LONGEST:
+        if (
+            known is None
+            or stamp - known.stamp > LONGEST
+            or BLURRED**2 * current.tells > known.tells
+        ):
             self._known = current
         self._steps.append(current)
         while self._steps and stamp - self._steps[0].stamp > LONGEST:
             self._steps.popleft()
 
-    def _may_be_late(self, before: _Step, after: _Step, elapsed: float) -> bool:
+    def _may_be_late(self, before: _Step, after: _Step) -> bool:
         """Return whether pictures that come later or earlier all at once would explain a step."""
-        motion = np.array([after.twist.v, LEVER * after.twist.omega])
-        speed = math.hypot(*motion)
-        if speed == 0.0:
-            return False
+        if self.errors.rest.max() > AGREEING:
+            return False  # wheels that slip already may do so more, or less
         moved = before.odometry.inverse() @ after.odometry
-        offset = moved.inverse() @ before.pose.inverse() @ after.pose
-        ahead = abs(np.array([offset.x, LEVER * offset.theta]) @ motion) / speed
-        duration, slides = after.stamp - before.stamp, SLIPS
-        if duration > elapsed:
-            # Wheels that hardly slipped before do not slip much for as long as nothing was seen.
-            slides = min(SLIDING * max(float(self.errors.rest.max()), 1.0), SLIPS)
-        usual = slides * speed * duration + SPREADS * math.hypot(before.sd, after.sd)
-        return bool(ahead > LATE_JOLT + usual)
+        offset = (moved.inverse() @ before.pose.inverse() @ after.pose).to_array()
+        slid = np.diag((SLIDING * moved.to_array()) ** 2 + LEAST)
+        weighed = after.motion @ inverse(before.covariance + after.covariance + slid)
+        information, pull = float(weighed @ after.motion), float(weighed @ offset)
+        speed = math.hypot(after.twist.v, LEVER * after.twist.omega)
+        surely = abs(pull) > LATE_SDS * math.sqrt(information)
+        return surely and abs(pull) * speed > LATE_JOLT * information
 
     def _before(self, stamp: float) -> _Step | None:
         before = None
