@@ -16,8 +16,7 @@ from robot.fields.field import Field
 
 def profile_after(command: SetCalibrationCommand, spec: RobotSpec) -> Profile:
     """Return the profile of a robot after a command that was checked."""
-    before = Profile.of(spec)
-    profile = before.changed(command.values, command.sd, command.made, command.source)
+    profile = Profile.of(spec).changed(command.values, command.sd, command.made, command.source)
     return profile if command.fit is None else replace(profile, fit=command.fit)
 
 
