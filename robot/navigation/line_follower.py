@@ -31,9 +31,12 @@ PASSED_M = 0.045
 came back from the end of a tape along its other edge."""
 WIDE_M = 0.035
 """Tape within this of the point that is most ahead is the same: its middle is driven to [m]."""
-BACK_M, MOST_BACK_RAD = 0.08, 0.5
+BACK_M, MOST_BACK_RAD = 0.2, 0.5
 """Straight on is by where it was so far back, and at most so much beside its heading [m, rad]. By
 its heading alone, tape that crosses at 60 degrees turned it aside."""
+SAME_RAD = 0.2
+"""Tape is the same if it is no farther beside that point's bearing [rad]. With 0.3, the beginning
+of tape that crosses at 45 degrees was a part of it, and turned the robot aside."""
 TURNS_RAD = 0.9
 """It turns on the spot while that is farther to a side [rad]."""
 BEND_M = 0.15
@@ -147,9 +150,10 @@ class LineFollower:
         around = points[(away > NEAR_M) & (away < FAR_M) & (side < SIDE_RAD)]
         if len(around):
             self._follows = True
-            off = np.abs(np.arctan2(around[:, 1], around[:, 0]) - self._straight_on(odom))
-            ahead = around[np.argmin(off)]
-            same = around[np.hypot(*(around - ahead).T) < WIDE_M]
+            bearing = np.arctan2(around[:, 1], around[:, 0])
+            most = np.argmin(np.abs(bearing - self._straight_on(odom)))
+            near = np.hypot(*(around - around[most]).T) < WIDE_M
+            same = around[near & (np.abs(bearing - bearing[most]) < SAME_RAD)]
             x, y = same.mean(axis=0).tolist()
             return x, y
         most, most_side = (GAP_M, SIDE_RAD) if self._follows else (BEGINS_M, TURNS_RAD)
