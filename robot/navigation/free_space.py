@@ -146,8 +146,8 @@ class FreeSpace:
         """
         if self.stands_in_wall(start):
             return False
-        here, there = (self._region(pose) for pose in (start, goal))
-        return here != there and min(here, there) > 0
+        regions = self._region(start), self._region(goal)
+        return regions[0] != regions[1] and min(regions) > 0
 
     def _region(self, pose: Pose2) -> int:
         rows, columns = self.regions.shape

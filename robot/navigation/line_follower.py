@@ -151,9 +151,9 @@ class LineFollower:
         if len(around):
             self._follows = True
             bearing = np.arctan2(around[:, 1], around[:, 0])
-            most = np.argmin(np.abs(bearing - self._straight_on(odom)))
-            near = np.hypot(*(around - around[most]).T) < WIDE_M
-            same = around[near & (np.abs(bearing - bearing[most]) < SAME_RAD)]
+            ahead = int(np.argmin(np.abs(bearing - self._straight_on(odom))))
+            near = np.hypot(*(around - around[ahead]).T) < WIDE_M
+            same = around[near & (np.abs(bearing - bearing[ahead]) < SAME_RAD)]
             x, y = same.mean(axis=0).tolist()
             return x, y
         most, most_side = (GAP_M, SIDE_RAD) if self._follows else (BEGINS_M, TURNS_RAD)
