@@ -150,6 +150,7 @@ class SimulatedRobot:
         self._camera = FloorCamera(view, field.floor, camera, rng)
         self._bump = bump
         self._wait = wait
+        self.in_real_time = wait is not no_wait  # then nobody may keep it waiting
         self._steps = round(PERIOD / world.step_time)
         if abs(self._steps * world.step_time - PERIOD) > 1e-9:
             raise ValueError(f"{PERIOD} s is no whole number of steps of {world.step_time} s")

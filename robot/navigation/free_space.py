@@ -129,6 +129,33 @@ class FreeSpace:
         needed = self.radius + self.settings.clearance
         return bool((self.clearance(points) >= needed).all())
 
+    @cached_property
+    def regions(self) -> NDArray[np.int32]:
+        """(h, w) number of each cell's region; 0 where the robot fits in no heading.
+
+        Its middle goes from one region to another one nowhere: that is known before any search.
+        """
+        inner = float(np.hypot(*self.hollow.body.T).min()) - self.side
+        _, regions = cv2.connectedComponents((self.distance > inner).astype(np.uint8))
+        return np.asarray(regions, np.int32)
+
+    def are_parted(self, start: Pose2, goal: Pose2) -> bool:
+        """Whether walls lie all around one of two places and not around the other one.
+
+        A robot that stands on a wall may leave it to each side: then it is not known.
+        """
+        if self.stands_in_wall(start):
+            return False
+        regions = self._region(start), self._region(goal)
+        return regions[0] != regions[1] and min(regions) > 0
+
+    def _region(self, pose: Pose2) -> int:
+        rows, columns = self.regions.shape
+        row = math.floor((pose.y - self.origin[1]) / self.side)
+        column = math.floor((pose.x - self.origin[0]) / self.side)
+        inside = 0 <= row < rows and 0 <= column < columns
+        return int(self.regions[row, column]) if inside else 0
+
     def stands_in_wall(self, pose: Pose2) -> bool:
         """Whether the robot's outline touches a wall at a pose."""
         return bool(self.room(pose.to_array()[None])[0] <= 0)

@@ -19,7 +19,7 @@ from robot.navigation.dubins import along_arcs, shortest_arcs
 from robot.navigation.free_space import COST_WEIGHT, FreeSpace
 from robot.navigation.grid_search import _sift_down, _sift_up
 from robot.navigation.legs import STEP, WayLeg, straight
-from robot.navigation.planning import GATES, NoWayError, comes_no_nearer, require_free
+from robot.navigation.planning import GATES, NoWayError, comes_no_nearer, require_joined
 
 HEADINGS = 36
 """Headings are told apart to 10 degrees."""
@@ -31,6 +31,8 @@ BACKWARDS_COST, SWITCH_M, BEND_COST = 1.5, 0.15, 1.05
 """A way backwards counts so many times, a change of direction so far, and a bend so many times."""
 SHOT_EVERY = 12
 """The shortest arcs to the goal are tried from every so many places."""
+MOVES = 6
+"""Steps from each place: ahead to the right, straight and to the left, and backwards the same."""
 MOST_PLACES = 400_000
 """The search ends after so many, and says that it has found nothing."""
 FRINGE = 1e-6
@@ -42,7 +44,7 @@ def plan_in_headings(free: FreeSpace, start: Pose2, goal: Pose2) -> tuple[WayLeg
     Raises:
         NoWayError: a wall is at the goal, or no way was found.
     """
-    require_free(free, goal)
+    require_joined(free, start, goal)
     if start.distance_to(goal) < STEP / 5 and abs(start.turn_to(goal)) < 0.02:
         return ()
     settings = free.settings
@@ -53,7 +55,7 @@ def plan_in_headings(free: FreeSpace, start: Pose2, goal: Pose2) -> tuple[WayLeg
     path = _hybrid(
         free.distance,
         np.array([free.origin[0], free.origin[1], free.side]),
-        np.ascontiguousarray(free.body),
+        np.ascontiguousarray(free.hollow.body),
         np.array([free.radius, clearance, settings.minimum_turning_radius]),
         _ways_left(_passages(free), *free.cell(goal.x, goal.y)),
         settings.resolution,
@@ -144,14 +146,14 @@ def _fits(
     distance: NDArray[np.float32],
     grid: Array,
     body: Array,
-    radius: float,
-    clearance: float,
+    sizes: Array,
     x: float,
     y: float,
     theta: float,
 ) -> bool:
     """Whether the outline keeps its clearance at a pose."""
     rows, columns = distance.shape
+    radius, clearance = sizes[0], sizes[1]
     column, row = int((x - grid[0]) / grid[2]), int((y - grid[1]) / grid[2])
     if x < grid[0] or y < grid[1] or row >= rows or column >= columns:
         return False
@@ -171,22 +173,17 @@ def _fits(
 
 @compiled()
 def _all_fit(
-    distance: NDArray[np.float32],
-    grid: Array,
-    body: Array,
-    radius: float,
-    clearance: float,
-    poses: Array,
+    distance: NDArray[np.float32], grid: Array, body: Array, sizes: Array, poses: Array
 ) -> bool:
     for place in range(len(poses)):
         x, y, theta = poses[place, 0], poses[place, 1], poses[place, 2]
-        if not _fits(distance, grid, body, radius, clearance, x, y, theta):
+        if not _fits(distance, grid, body, sizes, x, y, theta):
             return False
     return True
 
 
 @compiled()
-def _hybrid(  # noqa: C901, PLR0915 - compiled: each call of a part copies its arguments
+def _hybrid(
     distance: NDArray[np.float32],
     grid: Array,
     body: Array,
@@ -208,7 +205,7 @@ def _hybrid(  # noqa: C901, PLR0915 - compiled: each call of a part copies its a
         start: (3,) pose.
         goal: (3,) pose.
     """
-    radius, clearance, bend = sizes[0], sizes[1], sizes[2]
+    bend, stride = sizes[2], STRIDE_CELLS * resolution
     height, width = left.shape[0] // CELL + 1, left.shape[1] // CELL + 1
     states = height * width * HEADINGS
     way = np.full(states, np.inf, np.float32)
@@ -221,9 +218,6 @@ def _hybrid(  # noqa: C901, PLR0915 - compiled: each call of a part copies its a
     poses[0, 0], poses[0, 1], poses[0, 2], poses[0, 3] = start[0], start[1], start[2], 0.0
     cost[0], count, size, popped = 0.0, 1, 1, 0
     keys[0], heap[0] = 0.0, 0
-    stride = STRIDE_CELLS * resolution
-    turn = stride / bend
-    middle = np.empty(3)
     while size > 0:
         node = heap[0]
         size -= 1
@@ -235,58 +229,97 @@ def _hybrid(  # noqa: C901, PLR0915 - compiled: each call of a part copies its a
         done[state] = True
         popped += 1
         if popped % SHOT_EVERY == 1:
-            # Ahead by arcs, or backwards by those of the poses turned about.
-            for shot in range(2):
-                side = math.pi * shot
-                middle[0], middle[1], middle[2] = x, y, theta + side
-                end = np.array([goal[0], goal[1], goal[2] + side])
-                arcs = shortest_arcs(middle, end, bend)
-                if shot == 1 and direction >= 0:
-                    continue
-                shown = along_arcs(middle, arcs, bend, STEP)
-                shown[:, 2] -= side
-                if _all_fit(distance, grid, body, radius, clearance, shown):
-                    return _joined(poses, before, node, shown, 1.0 - 2.0 * shot, bend, start)
-        for move in range(6):
-            ahead = 1.0 if move < 3 else -1.0
-            bends = float(move % 3 - 1)
-            angle = ahead * bends * turn
-            chord = stride if bends == 0 else stride * math.sin(turn / 2) / (turn / 2)
-            new_x = x + ahead * chord * math.cos(theta + angle / 2)
-            new_y = y + ahead * chord * math.sin(theta + angle / 2)
-            new_theta = theta + angle
-            new_state = _state(grid, resolution, new_x, new_y, new_theta, height, width)
-            if new_state < 0 or done[new_state]:
+            path = _shot(distance, grid, body, sizes, poses, before, node, goal)
+            if len(path) > 0:
+                return path
+        for move in range(MOVES):
+            to_x, to_y, to_theta, half_x, half_y, half_theta = _moved(
+                x, y, theta, move, stride, bend
+            )
+            to_state = _state(grid, resolution, to_x, to_y, to_theta, height, width)
+            if to_state < 0 or done[to_state] or count >= MOST_PLACES:
                 continue
-            half = ahead * chord / 2
-            half_x, half_y = x + half * math.cos(theta), y + half * math.sin(theta)
-            if not (
-                _fits(distance, grid, body, radius, clearance, new_x, new_y, new_theta)
-                and _fits(
-                    distance, grid, body, radius, clearance, half_x, half_y, theta + angle / 2
-                )
-            ):
+            near = _left_at(left, grid, resolution, to_x, to_y)
+            new = np.float32(cost[node] + _price(move, direction, stride))
+            if (
+                not math.isfinite(near) or new >= way[to_state]
+                or not _fits(distance, grid, body, sizes, to_x, to_y, to_theta)
+                or not _fits(distance, grid, body, sizes, half_x, half_y, half_theta)
+            ):  # fmt: skip
                 continue
-            length = stride * (BEND_COST if bends != 0 else 1.0)
-            length *= 1.0 if ahead > 0 else BACKWARDS_COST
-            length += SWITCH_M if direction * ahead < 0 else 0.0
-            row = int((new_y - grid[1]) / resolution)
-            column = int((new_x - grid[0]) / resolution)
-            if not (0 <= row < left.shape[0] and 0 <= column < left.shape[1]):
-                continue
-            near = left[row, column]
-            if not math.isfinite(near):
-                continue
-            new = np.float32(cost[node] + length)
-            if new >= way[new_state] or count >= MOST_PLACES:
-                continue
-            way[new_state] = new
-            poses[count, 0], poses[count, 1] = new_x, new_y
-            poses[count, 2], poses[count, 3] = new_theta, ahead
+            way[to_state] = new
+            poses[count, 0], poses[count, 1] = to_x, to_y
+            poses[count, 2], poses[count, 3] = to_theta, _side(move)
             before[count], cost[count] = node, new
             _sift_up(keys, heap, size, float(new + np.float32(near * resolution)), count)
             size += 1
             count += 1
+    return np.empty((0, 4))
+
+
+@compiled()
+def _side(move: int) -> float:
+    """Return 1 of a step ahead and -1 of one backwards."""
+    return 1.0 if move < MOVES // 2 else -1.0
+
+
+@compiled()
+def _moved(
+    x: float, y: float, theta: float, move: int, stride: float, bend: float
+) -> tuple[float, float, float, float, float, float]:
+    """Return the pose after a step, and the one about half of it: right, straight or left."""
+    ahead, bends, turn = _side(move), float(move % 3 - 1), stride / bend
+    angle = ahead * bends * turn
+    chord = stride if bends == 0 else stride * math.sin(turn / 2) / (turn / 2)
+    to_x = x + ahead * chord * math.cos(theta + angle / 2)
+    to_y = y + ahead * chord * math.sin(theta + angle / 2)
+    half = ahead * chord / 2
+    half_x, half_y = x + half * math.cos(theta), y + half * math.sin(theta)
+    return to_x, to_y, theta + angle, half_x, half_y, theta + angle / 2
+
+
+@compiled()
+def _price(move: int, direction: float, stride: float) -> float:
+    """Return what a step counts after one in a direction: 1 ahead, -1 backwards, 0 for none."""
+    length = stride * (BEND_COST if move % 3 != 1 else 1.0)
+    length *= 1.0 if _side(move) > 0 else BACKWARDS_COST
+    return length + (SWITCH_M if direction * _side(move) < 0 else 0.0)
+
+
+@compiled()
+def _left_at(
+    left: NDArray[np.float32], grid: Array, resolution: float, x: float, y: float
+) -> float:
+    """Return the estimate of what is left at a place, in cells; inf without a way."""
+    row, column = int((y - grid[1]) / resolution), int((x - grid[0]) / resolution)
+    if not (0 <= row < left.shape[0] and 0 <= column < left.shape[1]):
+        return float(np.inf)
+    return float(left[row, column])
+
+
+@compiled()
+def _shot(
+    distance: NDArray[np.float32],
+    grid: Array,
+    body: Array,
+    sizes: Array,
+    poses: Array,
+    before: NDArray[np.int64],
+    node: int,
+    goal: Array,
+) -> Array:
+    """Return the path to a node and on by the shortest arcs to the goal; (0, 4) if none is free."""
+    bend, middle = sizes[2], np.empty(3)
+    x, y, theta, direction = poses[node]
+    # Ahead by arcs, or backwards by those of the poses turned about.
+    for shot in range(2 if direction < 0 else 1):
+        side = math.pi * shot
+        middle[0], middle[1], middle[2] = x, y, theta + side
+        end = np.array([goal[0], goal[1], goal[2] + side])
+        shown = along_arcs(middle, shortest_arcs(middle, end, bend), bend, STEP)
+        shown[:, 2] -= side
+        if _all_fit(distance, grid, body, sizes, shown):
+            return _joined(poses, before, node, shown, 1.0 - 2.0 * shot)
     return np.empty((0, 4))
 
 
@@ -304,15 +337,28 @@ def _state(
 
 @compiled()
 def _joined(
-    poses: Array,
-    before: NDArray[np.int64],
-    node: int,
-    shown: Array,
-    direction: float,
-    bend: float,
-    start: Array,
+    poses: Array, before: NDArray[np.int64], node: int, shown: Array, direction: float
 ) -> Array:
     """Return the steps to a node, filled with points, and the arcs from there."""
+    nodes = _nodes_to(before, node)
+    parts = len(shown) - 1
+    for index in range(1, len(nodes)):
+        parts += _points_between(poses[nodes[index - 1]], poses[nodes[index]])
+    path = np.empty((1 + parts, 4))
+    path[0, 0], path[0, 1], path[0, 2], path[0, 3] = poses[0, 0], poses[0, 1], poses[0, 2], 0.0
+    place = 1
+    for index in range(1, len(nodes)):
+        place = _fill(path, place, poses[nodes[index - 1]], poses[nodes[index]])
+    for index in range(1, len(shown)):
+        path[place, 0], path[place, 1] = shown[index, 0], shown[index, 1]
+        path[place, 2], path[place, 3] = shown[index, 2], direction
+        place += 1
+    return path
+
+
+@compiled()
+def _nodes_to(before: NDArray[np.int64], node: int) -> NDArray[np.int64]:
+    """Return the nodes from the start to one, which is the last."""
     count, place = 0, node
     while before[place] >= 0:
         count += 1
@@ -322,33 +368,30 @@ def _joined(
     for index in range(count, -1, -1):
         nodes[index] = place
         place = before[place]
-    parts = 0
-    for index in range(count):
-        apart = math.hypot(
-            poses[nodes[index + 1], 0] - poses[nodes[index], 0],
-            poses[nodes[index + 1], 1] - poses[nodes[index], 1],
-        )
-        parts += max(1, int(math.ceil(apart / STEP)))
-    path = np.empty((1 + parts + len(shown) - 1, 4))
-    path[0, 0], path[0, 1], path[0, 2], path[0, 3] = start[0], start[1], start[2], 0.0
-    place = 1
-    for index in range(count):
-        low, high = nodes[index], nodes[index + 1]
-        apart = math.hypot(poses[high, 0] - poses[low, 0], poses[high, 1] - poses[low, 1])
-        steps = max(1, int(math.ceil(apart / STEP)))
-        angle, ahead = poses[high, 2] - poses[low, 2], poses[high, 3]
-        length = apart if abs(angle) < 1e-9 else apart * (angle / 2) / math.sin(angle / 2)
-        for step in range(1, steps + 1):
-            part = angle * step / steps
-            way = length * step / steps
-            chord = way if abs(part) < 1e-9 else way * math.sin(part / 2) / (part / 2)
-            heading = poses[low, 2] + part / 2
-            path[place, 0] = poses[low, 0] + ahead * chord * math.cos(heading)
-            path[place, 1] = poses[low, 1] + ahead * chord * math.sin(heading)
-            path[place, 2], path[place, 3] = poses[low, 2] + part, ahead
-            place += 1
-    for index in range(1, len(shown)):
-        path[place, 0], path[place, 1] = shown[index, 0], shown[index, 1]
-        path[place, 2], path[place, 3] = shown[index, 2], direction
+    return nodes
+
+
+@compiled()
+def _points_between(low: Array, high: Array) -> int:
+    """Return by how many points a step (4,) is shown."""
+    apart = math.hypot(high[0] - low[0], high[1] - low[1])
+    return max(1, int(math.ceil(apart / STEP)))
+
+
+@compiled()
+def _fill(path: Array, place: int, low: Array, high: Array) -> int:
+    """Fill a path (n, 4) from a place on with the arc of a step; returns the next place."""
+    apart = math.hypot(high[0] - low[0], high[1] - low[1])
+    steps = _points_between(low, high)
+    angle, ahead = high[2] - low[2], high[3]
+    length = apart if abs(angle) < 1e-9 else apart * (angle / 2) / math.sin(angle / 2)
+    for step in range(1, steps + 1):
+        part = angle * step / steps
+        way = length * step / steps
+        chord = way if abs(part) < 1e-9 else way * math.sin(part / 2) / (part / 2)
+        heading = low[2] + part / 2
+        path[place, 0] = low[0] + ahead * chord * math.cos(heading)
+        path[place, 1] = low[1] + ahead * chord * math.sin(heading)
+        path[place, 2], path[place, 3] = low[2] + part, ahead
         place += 1
-    return path
+    return place

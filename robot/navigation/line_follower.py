@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from robot.geometry import Array, Pose2, Twist2
-from robot.navigation.navigator import NavigationState, NavigationStatus
+from robot.navigation.navigation_status import NavigationState, NavigationStatus
 from robot.navigation.possible_places import Glimpse
 from robot.navigation.seen_tape import tape_in
 from robot.navigation.sensed import Sensed
@@ -31,6 +31,12 @@ PASSED_M = 0.045
 came back from the end of a tape along its other edge."""
 WIDE_M = 0.035
 """Tape within this of the point that is most ahead is the same: its middle is driven to [m]."""
+BACK_M, MOST_BACK_RAD = 0.2, 0.5
+"""Straight on is by where it was so far back, and at most so much beside its heading [m, rad]. By
+its heading alone, tape that crosses at 60 degrees turned it aside."""
+SAME_RAD = 0.2
+"""Tape is the same if it is no farther beside that point's bearing [rad]. With 0.3, the beginning
+of tape that crosses at 45 degrees was a part of it, and turned the robot aside."""
 TURNS_RAD = 0.9
 """It turns on the spot while that is farther to a side [rad]."""
 BEND_M = 0.15
@@ -49,8 +55,8 @@ class LineFollower:
     """Follows a tape from the nearest one ahead to its end, or round and round.
 
     Tape that was seen is kept in the odometry's frame. The robot pursues what is a little ahead of
-    it, and most straight on: so it goes around corners. Which way it takes where tape crosses is
-    not said.
+    it, and most straight on: so it goes around corners, and straight on where tape crosses. Where
+    tape ends at another one, it goes to the side that is more ahead of it.
     """
 
     looks = False
@@ -144,8 +150,10 @@ class LineFollower:
         around = points[(away > NEAR_M) & (away < FAR_M) & (side < SIDE_RAD)]
         if len(around):
             self._follows = True
-            ahead = around[np.argmin(np.abs(np.arctan2(around[:, 1], around[:, 0])))]
-            same = around[np.hypot(*(around - ahead).T) < WIDE_M]
+            bearing = np.arctan2(around[:, 1], around[:, 0])
+            ahead = int(np.argmin(np.abs(bearing - self._straight_on(odom))))
+            near = np.hypot(*(around - around[ahead]).T) < WIDE_M
+            same = around[near & (np.abs(bearing - bearing[ahead]) < SAME_RAD)]
             x, y = same.mean(axis=0).tolist()
             return x, y
         most, most_side = (GAP_M, SIDE_RAD) if self._follows else (BEGINS_M, TURNS_RAD)
@@ -154,6 +162,16 @@ class LineFollower:
             return None
         x, y = farther[np.argmin(np.hypot(*farther.T))].tolist()
         return x, y
+
+    def _straight_on(self, odom: Pose2) -> float:
+        """Return the bearing in which it would go straight on, by where it came from [rad]."""
+        came = next(
+            (been for been, _ in reversed(self._seen) if been.distance_to(odom) > BACK_M), None
+        )
+        if came is None:
+            return 0.0
+        back = odom.inverse().apply(np.array([[came.x, came.y]]))[0]
+        return min(max(math.atan2(-back[1], -back[0]), -MOST_BACK_RAD), MOST_BACK_RAD)
 
     def _pursue(self, x: float, y: float) -> Twist2:
         """Return the twist along the arc that leads to a point in the robot's frame [m]."""

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -101,9 +102,18 @@ class Sweep:
             return AHEAD[3::2]
         return AHEAD if self.step > 0 else BACK
 
+    @property
+    def backs(self) -> bool:
+        """Whether the robot goes backwards, where its camera does not look."""
+        return self.before.x < 0 or (not self.turns and self.step < 0)
+
     def risk(self, amount: float) -> float:
         """Return the share of places at which the outline comes to a wall on the way."""
         return float((self.reach < math.ceil(amount / abs(self.step) - 1e-6)).mean())
+
+    def allows(self, risk: float, level: int) -> bool:
+        """Whether a risk may be run at a level of daring: backwards, no more than at the first."""
+        return risk <= RISKS[0 if self.backs else level]
 
     def moved(self, amount: float) -> Pose2:
         """Return the motion in the robot's frame."""
@@ -143,8 +153,9 @@ def look(
     The places are drawn at random, and weighed by what was seen. A move is compared by the share of
     pairs of places that would see something else after it, which is what is expected to be gained.
     At none of the places may the outline come to tape on the way, unless it stays on floor that was
-    seen to be free: that holds wherever the robot is. So does tape that was seen: no move comes to
-    it, however much is dared.
+    seen to be free, or where the robot has stood: that holds wherever the robot is. So does tape
+    that was seen: no move comes to it, however much is dared. Backwards, where it does not see what
+    it comes to, nothing is dared: it goes back where all places are free, or turns first.
 
     Args:
         views: what was seen since the place is in doubt; one or more.
@@ -156,7 +167,7 @@ def look(
         crosses_tape: whether it may cross tape.
     """
     places = places_seen(views, odom, marks, free, believed)
-    floor = ClearFloor.of(views, odom)
+    floor = ClearFloor.of(views, odom, free.hollow.body)
     tape = np.zeros((0, 2)) if crosses_tape else tape_seen(views, odom)
     sweeps = sweeps_of(places, floor, free, tape)
     some = _compared(places, believed)
@@ -167,7 +178,7 @@ def look(
         for sweep in sweeps:
             for amount in sweep.amounts:
                 risk = sweep.risk(amount)
-                if risk > RISKS[level]:
+                if not sweep.allows(risk, level):
                     break
                 clear = True
                 moved = sweep.moved(amount)
@@ -285,14 +296,17 @@ def _moved(places: Array, moved: Pose2) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class ClearFloor:
-    """Floor around the robot that its camera has seen to be free of tape: wherever it is."""
+    """Floor around the robot that it has seen to be free of tape, or stood on: wherever it is."""
 
     free: NDArray[np.bool_]
     """(n, n) cells around the robot, x by row, in its frame now."""
 
     @classmethod
-    def of(cls, views: Sequence[Glimpse], odom: Pose2) -> ClearFloor:
-        """Return the floor that views have seen, for a robot with an odometry."""
+    def of(cls, views: Sequence[Glimpse], odom: Pose2, rim: Array = np.zeros((0, 2))) -> ClearFloor:
+        """Return the floor that views have seen, for a robot with an odometry.
+
+        And what an outline, by points on its rim (k, 2) [m], has covered where it stood for them.
+        """
         count = round(2 * FLOOR_M / FLOOR_CELL_M)
         middles = (np.arange(count) + 0.5) * FLOOR_CELL_M - FLOOR_M
         x, y = np.meshgrid(middles, middles, indexing="ij")
@@ -300,7 +314,16 @@ class ClearFloor:
         free = np.zeros(len(points), np.bool_)
         for view in views:
             free |= _is_seen(view.scan, (odom.inverse() @ view.odom_from_robot).inverse(), points)
-        return cls(free.reshape(count, count))
+        cells = free.reshape(count, count)
+        stood = np.zeros((count, count), np.uint8)
+        if len(rim):
+            for pose in (odom, *(view.odom_from_robot for view in views)):
+                corners = (odom.inverse() @ pose).apply(rim)
+                hull = cv2.convexHull(((corners + FLOOR_M) / FLOOR_CELL_M - 0.5).astype(np.float32))
+                # Columns of the picture are y. What is far away is not remembered.
+                shown = np.rint(np.clip(hull[:, 0, ::-1], -count, 2 * count)).astype(np.int32)
+                cv2.fillConvexPoly(stood, shown, 1)
+        return cls(cells | (stood > 0))
 
     def has(self, steps: Array, rim: Array) -> NDArray[np.bool_]:
         """Return which points of an outline (k, 2) lie on it at poses (s, 3): (s, k)."""

@@ -11,7 +11,7 @@ from robot.navigation.free_space import FreeSpace
 from robot.navigation.legs import WayLeg
 from robot.navigation.planning import NoWayError, Planner, plan, plan_by_corners
 
-PATIENCE_S = 0.15
+PATIENCE_S = 0.06
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ PLANNERS: Mapping[str, PlannerKind] = MappingProxyType(
         kind.name: kind
         for kind in (
             PlannerKind("grid", find_way, ends=True),
-            PlannerKind("lattice", _in_headings, 0.3, ends=True),
+            PlannerKind("lattice", _in_headings, 0.15, ends=True),
             PlannerKind("rrt", _at_random, 1.5, ends=True),
         )
     }

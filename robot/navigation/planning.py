@@ -30,6 +30,7 @@ PART_TURNS = (0.1, 0.2, 0.3, 0.45, 0.6, 0.8, 1.0, 1.25, 1.5)
 """Where that does not help, it first turns so far, if there is room for that [rad]."""
 SAME_ROOM = 0.0016
 """The room to walls is known no better, since their cells are as large [m]."""
+PARTED = "a wall is between the robot and the goal, and no way leads around it"
 SMOOTHINGS = (1.0, 0.5, 0.25)
 """Shares of the smoothing that are tried, until the robot fits along the rounded path."""
 
@@ -63,7 +64,7 @@ def plan_by_corners(corners: Corners) -> Planner:
 
 
 def _plan(free: FreeSpace, start: Pose2, goal: Pose2, corners: Corners) -> tuple[WayLeg, ...]:
-    require_free(free, goal)
+    require_joined(free, start, goal)
     if start.distance_to(goal) < SAME_PLACE:
         if abs(start.turn_to(goal)) < SAME_HEADING:
             return ()
@@ -86,6 +87,17 @@ def _plan(free: FreeSpace, start: Pose2, goal: Pose2, corners: Corners) -> tuple
         )
     (first, begin), (last, end) = leaving, coming
     return (*first, *_between(free, begin, end, corners), *last)
+
+
+def require_joined(free: FreeSpace, start: Pose2, goal: Pose2) -> None:
+    """Refuse a goal where the robot would not fit, or around which walls lie without a gap.
+
+    Raises:
+        NoWayError: says which.
+    """
+    require_free(free, goal)
+    if free.are_parted(start, goal):
+        raise NoWayError(PARTED)
 
 
 def require_free(free: FreeSpace, goal: Pose2) -> None:
@@ -195,7 +207,7 @@ def _corners(free: FreeSpace, begin: Pose2, end: Pose2) -> Array:
     start, goal = _open_cell(free, begin), _open_cell(free, end)
     path = search(costs, start, goal)
     if not len(path):
-        raise NoWayError("a wall is between the robot and the goal, and no way leads around it")
+        raise NoWayError(PARTED)
     cells = straighten(costs, path)
     middles = (cells[:, ::-1] + 0.5) * free.settings.resolution + free.origin
     inner = middles[1:-1]

@@ -19,9 +19,9 @@ SHARE = 0.8
 """Share of the drive's accelerations that is planned with; the rest is for the controller."""
 TURN_SHARE = 0.85
 """The same of the turning speed."""
-STOPPING = 0.5
+STOPPING = 0.8
 """Speed is lost so fast [m/s^2], or as fast as the drive allows: so it stops where it should."""
-REST_S = 0.15
+REST_S = 0.08
 """The robot stands so long between two legs [s]."""
 SAMPLE_S = 0.02
 """Time between two moments of a trajectory [s]."""
@@ -50,6 +50,8 @@ class TimedWay:
     """(n,) the way that is left [m]."""
     loop: tuple[float, float] | None = None
     """Begin and end of a lap [s], after which the same lap comes again; None ends."""
+    room: Array | None = None
+    """(n,) the outline's least distance to walls a little ahead [m]; None is not known."""
 
     @property
     def duration(self) -> float:
@@ -121,6 +123,10 @@ class TimedWay:
         begin, end = self.times[low + best], self.times[low + best + 1]
         shifted = since - self._wrapped(since)
         return max(float(begin + share[best] * (end - begin)) + shifted, since)
+
+    def room_at(self, time: float) -> float:
+        """Return the outline's least distance to walls a little after a time [m]; 0 if unknown."""
+        return 0.0 if self.room is None else float(self.room[self._place(time)[0]])
 
     def left_at(self, time: float) -> float:
         """Return the way that is left at a time [m], in a loop of the lap."""

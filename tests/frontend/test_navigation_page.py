@@ -95,6 +95,21 @@ def test_cancel_ends_the_journey(page, server):
         until(socket, lambda now: now["mode"] == "idle")
 
 
+def test_it_follows_the_tape_ahead_until_it_is_canceled(page, server):
+    page.get_by_role("button", name="go to", exact=True).first.click()
+    choose(page, "follow tape")
+    # The tape's middle is a square of one metre; on it, the robot goes along it.
+    page.wait_for_function("""() => {
+        const { truth, navigation } = window.brickpose.telemetry;
+        const [away, along] = [Math.abs(truth.x), Math.abs(truth.y)].sort((a, b) => b - a);
+        return navigation.state === "driving" && Math.abs(away - 0.5) < 0.04 && along < 0.45;
+    }""")
+    page.locator("#journey-cancel").click()
+    expect(page.locator("#journey-text")).to_contain_text("canceled; somebody canceled it")
+    with server.live() as socket:
+        until(socket, lambda now: now["mode"] == "idle")
+
+
 def test_a_goal_on_tape_is_refused_and_the_page_says_why(page, server):
     page.get_by_role("button", name="go to", exact=True).first.click()
     drag(page, (0.5, 0.0), (0.6, 0.0))

@@ -11,7 +11,7 @@ from app.engine.snapshot import Snapshot
 from app.features.navigation.messages import GoalMessage, NavigateCommand
 from app.messages.commands import Command, SetPoseCommand
 from app.page.outlets import Outlets
-from robot.navigation.navigator import NavigationStatus
+from robot.navigation.navigation_status import NavigationStatus
 from sim.simulated import PERIOD
 
 PAGE, OTHER = Driver("page 1"), Driver("page 2")

@@ -12,6 +12,8 @@ from robot.interface import Reading, RobotError
 class ReplayRobot:
     """Satisfies ``Robot``; ignores wheel commands."""
 
+    in_real_time = False
+
     def __init__(
         self, name: str, readings: Iterable[Reading], spec: RobotSpec | None = None
     ) -> None:

@@ -15,18 +15,21 @@ from robot.interface import Reading, Robot
 
 if TYPE_CHECKING:
     from app.features.navigation.pilot import Pilot
-    from robot.navigation.navigator import NavigationStatus
+    from robot.navigation.navigation_status import NavigationStatus
 
 
 def companions(config: Config, robot: Robot, field: Field) -> tuple[Navigation, ...]:
     """Return what navigates in a new engine."""
-    return (Navigation(config, field),)
+    # A robot that says nothing of it is a real one.
+    return (Navigation(config, field, waits=not getattr(robot, "in_real_time", True)),)
 
 
 class Navigation:
     """Goes along with one engine; whoever never sends a goal loads nothing of navigation."""
 
-    def __init__(self, config: Config, field: Field) -> None:
+    def __init__(self, config: Config, field: Field, *, waits: bool) -> None:
+        """Prepare; ``waits`` for plans where robot time outruns the clock, so drives repeat."""
+        self._waits = waits
         self._config = config
         self._field = field
         self._pilot: Pilot | None = None
@@ -50,7 +53,7 @@ class Navigation:
         if self._pilot is None and isinstance(controls.driving.programme, Journey):
             from app.features.navigation.pilot import Pilot  # noqa: PLC0415 - the first goal
 
-            self._pilot = Pilot(self._config, self._field, reading.stamp)
+            self._pilot = Pilot(self._config, self._field, reading.stamp, waits=self._waits)
         if self._pilot is not None:
             self._pilot.add(reading, controls)
 

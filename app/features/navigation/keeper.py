@@ -15,7 +15,7 @@ from app.features.navigation.walls import walls_in
 from robot.errors import CommandError
 from robot.geometry import Pose2
 from robot.navigation.free_space import FreeSpace
-from robot.navigation.navigator import NavigationStatus
+from robot.navigation.navigation_status import NavigationStatus
 from robot.navigation.planning import NoWayError, require_free
 from robot.navigation.settings import NavigationSettings
 from robot.navigation.walls import Walls

@@ -24,7 +24,7 @@ from app.messages.telemetry import NavigationMessage
 from app.page.outlets import Outlet, Outlets
 from app.page.telemetry import pose_message
 from robot.navigation.free_space import FreeSpace
-from robot.navigation.navigator import NavigationStatus
+from robot.navigation.navigation_status import NavigationStatus
 from robot.navigation.settings import TAPE
 from robot.navigation.walls import NOTE
 

@@ -25,7 +25,8 @@ from robot.interface import Reading
 from robot.navigation.free_space import FreeSpace
 from robot.navigation.line_follower import LineFollower
 from robot.navigation.lookout import Move, look
-from robot.navigation.navigator import NavigationStatus, Navigator, Plan
+from robot.navigation.navigation_status import NavigationStatus
+from robot.navigation.navigator import Navigator, Plan
 from robot.navigation.planners import PLANNERS
 from robot.navigation.planning import NoWayError
 from robot.navigation.possible_places import Glimpse
@@ -34,10 +35,11 @@ from robot.navigation.settings import NavigationSettings
 from robot.navigation.timed_way import Limits
 from robot.navigation.walls import Walls
 
-FIRST_PATIENCE_S = 0.15
+FIRST_PATIENCE_S = 0.1
 """A way is driven the planner's patience after its planning began [s], on the robot's clock, so
 that drives repeat exactly, however fast the computer is. The first one is driven so much later, as
-it also needs the free space."""
+it also needs the free space. Where robot time is real time, nobody waits for a plan that takes
+longer: the robot stands until it is there."""
 HANGS_S = 10.0
 """A planner that is not ours is given up if it has not ended after so long [s]."""
 LOOK_PATIENCE_S = 0.8
@@ -51,8 +53,12 @@ LONGEST_TICK_S = 1.0
 class Pilot:
     """Navigates in one engine; ways are planned in a thread."""
 
-    def __init__(self, config: Config, field: Field, stamp: float) -> None:
-        """Prepare at a stamp [s]; nothing is worked out before the first goal."""
+    def __init__(self, config: Config, field: Field, stamp: float, *, waits: bool = True) -> None:
+        """Prepare at a stamp [s]; nothing is worked out before the first goal.
+
+        ``waits`` for plans that are due; else they are taken as soon as they are there.
+        """
+        self._waits = waits
         self.settings: NavigationSettings = config.group("navigation", NavigationSettings())
         self.shown: NavigationStatus | None = None
         self._config = config
@@ -185,7 +191,7 @@ class Pilot:
     def _plan(self, navigator: Navigator | LineFollower, tick: Sensed, controls: Controls) -> None:
         """Have a way planned, or take one that is due."""
         if self._future is not None:
-            if tick.stamp >= self._due:
+            if tick.stamp >= self._due and self._can_take(self._future, tick.stamp):
                 future, self._future = self._future, None
                 navigator.take(self._result(future))
             return
@@ -200,10 +206,15 @@ class Pilot:
             self._due = tick.stamp + patience + first
             self._future = self._worker.submit(job)
 
+    def _can_take(self, future: Future[Plan], stamp: float) -> bool:
+        """Whether what is due may be taken, without a tick that waits where none may."""
+        late = self._hangs is not None and stamp >= self._due + self._hangs
+        return self._waits or future.done() or late
+
     def _result(self, future: Future[Plan]) -> Plan | BrickPoseError:
         """Return a way that is due, or why there is none."""
         try:
-            return future.result(self._hangs)
+            return future.result(self._hangs if self._waits else 0.0)
         except TimeoutError:
             stuck, self._worker = self._worker, ThreadPoolExecutor(1, "navigation")
             where = next((running(each.ident) for each in stuck._threads), None)

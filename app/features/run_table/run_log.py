@@ -187,7 +187,7 @@ class RunLog:
     def _parameters_of(self, state: FilterState) -> Parameters:
         """Return the parameters by their names; most ticks hold those of the tick before."""
         held = state.parameters, state.models
-        if any(now is not then for now, then in zip(held, self._held, strict=True)):
+        if held[0] is not self._held[0] or held[1] is not self._held[1]:
             self._held, self._named = held, parameters_of(state)
         return self._named
 

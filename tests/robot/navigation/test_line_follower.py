@@ -112,6 +112,30 @@ def test_it_goes_round_a_ring_until_somebody_ends_it(radius):
     )
 
 
+@pytest.mark.parametrize("crossed", [-60, -45, 90])
+@pytest.mark.parametrize("heading", [-0.1, 0.1])
+def test_where_tape_crosses_it_goes_straight_on(crossed, heading):
+    angle = math.radians(crossed)
+    across = 0.4 * np.array([math.cos(angle), math.sin(angle)])
+    middle = np.array([0.45, 0.0])
+    # One line that crosses itself: the loop back lies out of sight.
+    parts = [(0.0, 0.0), (1.0, 0.0), (1.0, 3.0), tuple(middle + across), tuple(middle - across)]
+    robot = Ideal(parts, Pose2(0.05, 0.0, heading))
+    robot.go(8.0)
+    assert robot.pose.x > 0.6
+    assert np.abs(np.array(robot.places)[:, 1]).max() < 0.04
+
+
+@pytest.mark.parametrize("heading", [-0.1, 0.1])
+def test_where_tape_ends_at_another_it_goes_on_to_one_side_to_its_end(heading):
+    parts = [(0.0, 0.0), (0.5, 0.0), (0.5, 0.6), (0.5, -0.6)]
+    robot = Ideal(parts, Pose2(0.05, 0.0, heading))
+    robot.go(40)
+    assert robot.follower.status.state == "arrived"
+    assert abs(robot.pose.x - 0.5) < 0.08
+    assert abs(abs(robot.pose.y) - 0.6) < 0.1
+
+
 def test_without_tape_it_stands_and_says_why():
     robot = Ideal([(5.0, 5.0), (6.0, 5.0)], Pose2())
     robot.go(5)

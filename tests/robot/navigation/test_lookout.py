@@ -13,6 +13,8 @@ from robot.geometry import Pose2
 from robot.navigation.free_space import FreeSpace
 from robot.navigation.lookout import (
     AHEAD,
+    FIRST,
+    RISKS,
     SEES_M,
     TURNS,
     ClearFloor,
@@ -180,3 +182,26 @@ def test_the_risk_of_a_move_is_the_share_of_places_where_it_comes_to_tape():
     ahead = sweeps_of(places, ClearFloor.of([], Pose2()), free)[0]
     assert ahead.risk(0.1) == pytest.approx(0.25)
     assert ahead.risk(0.02) == 0.0
+
+
+def test_where_it_has_stood_is_free_and_what_is_behind_it_is_not():
+    _, free = spaces("square")
+    rim = free.hollow.body
+    floor = ClearFloor.of([], Pose2(), rim)
+    inner = 0.8 * rim
+    assert floor.has(np.zeros((1, 3)), inner).all()
+    assert not floor.has(np.array([[-0.1, 0.0, 0.0]]), inner).all()
+
+
+@pytest.mark.parametrize("level", range(len(RISKS)))
+def test_however_much_is_dared_it_does_not_back_to_where_any_place_has_a_wall(level):
+    _, free = spaces("square")
+    # At one place of ten there is tape before its nose, at another one behind its tail.
+    places = np.tile([0.0, 0.0, 0.0], (10, 1))
+    places[0, 0], places[1, 0] = 0.34, -0.31
+    ahead, back, left, *others = sweeps_of(places, ClearFloor.of([], Pose2()), free)
+    assert ahead.risk(0.1) == back.risk(0.1) == 0.1
+    assert ahead.allows(0.1, level) == left.allows(0.1, level) == (RISKS[level] >= 0.1)
+    assert not back.allows(0.1, level)
+    assert back.allows(0.0, level)
+    assert [each.backs for each in others].count(True) == 2 * sum(each < 0 for each in FIRST)

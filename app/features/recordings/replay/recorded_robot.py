@@ -33,6 +33,8 @@ from robot.interface import Frame, Reading, Robot, RobotError
 class RecordedRobot:
     """Satisfies ``Robot``; can go to any position of the recording where it has been before."""
 
+    in_real_time = False
+
     def __init__(
         self,
         reader: RecordingReader,

@@ -19,7 +19,7 @@ from app.features.ros.message_types import Message, MessageError, new
 from app.features.ros.rosbridge.encoding import json_values
 from app.features.ros.rosbridge.reading import message_of, shown
 from robot.geometry import Pose2
-from robot.navigation.navigator import NavigationStatus
+from robot.navigation.navigation_status import NavigationStatus
 from robot.worker_thread import WorkerThread
 
 SUCCEEDED, CANCELED, ABORTED = 4, 5, 6

@@ -3,20 +3,27 @@
 from __future__ import annotations
 
 import math
+import threading
 from collections.abc import Iterator
 
 import pytest
+from camera_sources import until
 from engine_runs import run
 from journeys import OTHER, PAGE, RENEW, JourneyBench, goal
 
+from app.engine.build import build_program
 from app.engine.commands import parse
 from app.engine.snapshot import DrawnMap
 from app.features.navigation.messages import CancelCommand, GoalMessage, NavigateCommand
 from app.messages.commands import PauseCommand, ResumeCommand, ScatterCommand
 from app.messages.driving_commands import DriveCommand, StopCommand, TakeCommand
 from app.page.telemetry import TelemetryWriter
+from app.settings.config import Config
 from robot.errors import CommandError
 from robot.geometry import Pose2, Twist2
+from robot.navigation.planners import PlannerKind, find_way
+from sim.real_time import RealTime
+from sim.simulated import no_wait
 
 FAR = goal(0.3, 0.2, 1.0)
 
@@ -26,6 +33,34 @@ def bench() -> Iterator[JourneyBench]:
     made = JourneyBench()
     yield made
     made.close()
+
+
+def test_no_tick_waits_for_a_way_where_robot_time_is_real_time(monkeypatch, bench):
+    ready = threading.Event()
+
+    def slow(free, start, end):
+        assert ready.wait(30), "nobody wanted it"
+        return find_way(free, start, end)
+
+    kind = PlannerKind("slow", slow, ends=True)
+    monkeypatch.setattr("app.features.navigation.choices.Choices.planner", lambda *_: kind)
+    companions = dict(bench.program.engine._companions._each)
+    companions["navigation"]._waits = False
+    bench.send(goal(0.2, 0.1))
+    shown = bench.go(1.0)
+    assert {each.added["navigation"].state for each in shown} == {"planning"}
+    assert {each.twist for each in shown} == {Twist2()}
+    ready.set()
+    until(lambda: bench.go(0.02) and bench.status.state == "driving")
+
+
+@pytest.mark.parametrize("live", [False, True])
+def test_a_simulated_robot_says_whether_somebody_waits_for_it(live):
+    wait = RealTime() if live else no_wait
+    program = build_program(Config(robot="kinematic", map="square"), wait)
+    assert program.robot.in_real_time == live
+    assert dict(program.engine._companions._each)["navigation"]._waits != live
+    program.robot.close()
 
 
 @pytest.mark.slow

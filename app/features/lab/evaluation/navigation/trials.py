@@ -25,7 +25,7 @@ from robot.geometry import Array, Pose2
 from robot.interface import RepositionableRobot
 from robot.navigation.free_space import FreeSpace
 from robot.navigation.legs import WayLeg
-from robot.navigation.navigator import NavigationStatus
+from robot.navigation.navigation_status import NavigationStatus
 from robot.navigation.planners import find_way
 from robot.navigation.planning import NoWayError
 from robot.navigation.settings import NavigationSettings

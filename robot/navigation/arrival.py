@@ -1,0 +1,107 @@
+"""Arrival: judges whether a robot has come to its goal; it remembers that the robot was there."""
+
+from __future__ import annotations
+
+import math
+from enum import Enum
+
+from robot.geometry import Pose2, wrap_angle
+from robot.navigation.goal import Goal
+from robot.navigation.sensed import Sensed
+from robot.navigation.settings import NavigationSettings
+
+SETTLE_S = 0.25
+"""The robot stands so long before its end is judged: the filter sees it at rest [s]."""
+LATE_S = 1.0
+"""So long after its time is over, it stands even if it is not near enough to the end [s]."""
+MOST_CORRECTIONS = 6
+"""So often an end that is too far from its goal is driven to again; then the journey has failed."""
+VAGUE_M = 0.035
+"""At a goal where its bound is wider than this, the robot turns around once to see more [m]."""
+
+
+class WayEnd(Enum):
+    """What is to be done at the end of a way."""
+
+    THERE = "there"
+    AGAIN = "again"
+    """It stands beside its goal, and comes again."""
+    BESIDE = "beside"
+    """It has come again often enough."""
+
+
+class Arrival:
+    """The end of the way to one goal after the other."""
+
+    def __init__(self, settings: NavigationSettings) -> None:
+        """Judge by the tolerances of settings."""
+        self._settings = settings
+        self.begin()
+
+    def begin(self) -> None:
+        """Begin with another goal."""
+        self.reached = False
+        """Whether the place of the goal was reached: then only the heading is left."""
+        self.seeks = False
+        """Whether the robot shall turn around there to see more."""
+        self._sought = False
+        """Whether it has."""
+        self._corrections = 0
+        self.leave()
+
+    def leave(self) -> None:
+        """Note that the robot is not at the end of its way, or not any more."""
+        self._over_since: float | None = None
+        """When the time of its way was over [s]."""
+        self._stands_since: float | None = None
+
+    def stands(self, tick: Sensed, pose: Pose2, end: Pose2) -> bool:
+        """Whether the robot has come to the end of its way, whose time is over, and stands."""
+        if self._stands_since is not None:
+            return True
+        self._over_since = tick.stamp if self._over_since is None else self._over_since
+        error = pose.inverse() @ end
+        is_there = abs(error.x) <= self._settings.xy_goal_tolerance / 2
+        is_turned = abs(error.theta) <= self._settings.yaw_goal_tolerance / 2
+        late = tick.stamp - self._over_since > LATE_S
+        if not (is_there and is_turned and tick.stands) and not late:
+            return False
+        self._stands_since = tick.stamp
+        return True
+
+    def has_settled(self, stamp: float) -> bool:
+        """Whether it stands so long that its end can be judged."""
+        return self._stands_since is not None and stamp - self._stands_since >= SETTLE_S
+
+    def judge(self, pose: Pose2, goal: Goal, radius: float) -> WayEnd:
+        """Return what is to be done, for a robot whose place is known to a radius [m]."""
+        self.reached = True
+        self.leave()
+        if radius > VAGUE_M and not self._sought:
+            self.seeks = self._sought = True
+            return WayEnd.AGAIN
+        distance, turned = _beside(pose, goal)
+        settings = self._settings
+        if distance <= settings.xy_goal_tolerance and turned <= settings.yaw_goal_tolerance:
+            return WayEnd.THERE
+        if self._corrections >= MOST_CORRECTIONS:
+            return WayEnd.BESIDE
+        self._corrections += 1
+        return WayEnd.AGAIN
+
+    def miss(self, pose: Pose2, goal: Goal) -> str:
+        """Return in words how far from its goal the robot stands after all corrections."""
+        distance, turned = _beside(pose, goal)
+        place, heading = self._settings.xy_goal_tolerance, self._settings.yaw_goal_tolerance
+        return (
+            f"it stands {1000 * distance:.1f} mm and {math.degrees(turned):.1f} degrees beside the "
+            f"goal and comes no nearer; valid is a xy_goal_tolerance above "
+            f"{1000 * place:.1f} mm, or a yaw_goal_tolerance above {math.degrees(heading):.1f} "
+            "degrees"
+        )
+
+
+def _beside(pose: Pose2, goal: Goal) -> tuple[float, float]:
+    """Return how far a pose is from a goal [m], and from its heading [rad]; 0 where any will do."""
+    turned = 0.0 if goal.theta is None else abs(wrap_angle(goal.theta - pose.theta))
+    return math.hypot(goal.x - pose.x, goal.y - pose.y), turned
