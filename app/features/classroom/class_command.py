@@ -36,6 +36,7 @@ PACKAGES = {
     "jupyterhub-idle-culler": "jupyterhub_idle_culler",
     "configurable-http-proxy": "configurable_http_proxy",
 }
+HUB_MODULE = "app.features.classroom.hub.start"
 CURE = "python -m pip install 'brickpose[class]'"
 WORSE_AFTER_S = 10.0
 MOST_FAILURES = 3
@@ -187,7 +188,7 @@ def _keep_running(
         begun = time.monotonic()
         with log.open("ab") as out:
             process = subprocess.Popen(
-                [sys.executable, "-m", "jupyterhub", "--config", str(folder.config)],
+                [sys.executable, "-m", HUB_MODULE, "--config", str(folder.config)],
                 cwd=folder.path, stdin=subprocess.DEVNULL, stdout=out, stderr=out,
                 env=_environment(first=not announced), start_new_session=True,
             )  # fmt: skip

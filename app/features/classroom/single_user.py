@@ -15,7 +15,7 @@ from fastapi import APIRouter
 from app.engine.program import Program
 from app.feature import Feature, NewGate, Panel
 from app.features.classroom.class_desk import ClassDesk, ClassState
-from app.features.classroom.hub_client import HubClient, HubEnvironment
+from app.features.classroom.hub_client import SHARED_ROBOT, HubClient, HubEnvironment
 from app.features.classroom.shared.queue_desk import QueueDesk
 from app.features.classroom.shared.turns import TurnQueue
 from app.features.classroom.sign_in import Sessions, SignIn
@@ -26,6 +26,7 @@ from app.page.run_command import run_dashboard
 from app.settings.config import FRONTEND, Config
 
 PANELS = FRONTEND / "features" / "classroom"
+SHARED_PANEL = Panel("queue", "Queue", PANELS / "queue_panel.js")
 
 
 def serve_user(
@@ -47,7 +48,7 @@ def serve_user(
         about="visitors sign in at the hub, and the teacher's wall has a say",
         gates=(lambda _config: _gates(HubClient(hub), sleeper),),
         routers=(lambda program: _watched(program, sleeper),),
-        panels=(Panel("desk", "Class", PANELS / "panel.js"),),
+        panels=_student_panels(),
     )
     parsed.features = parsed.features.adding(desk)
     return learn(parsed, config_from(parsed))
@@ -68,7 +69,7 @@ def serve_shared(
         name="class",
         about="visitors sign in at the hub, and drive one after the other",
         gates=(gates,),
-        panels=(Panel("queue", "Queue", PANELS / "queue_panel.js"),),
+        panels=(SHARED_PANEL,),
     )
     return run_dashboard(parsed, config_from(parsed), parsed.features.adding(desk), "/")
 
@@ -80,6 +81,11 @@ def _as_the_hub_says(parsed: argparse.Namespace) -> HubEnvironment:
     parsed.root_path = hub.prefix
     parsed.no_token = True  # the hub knows who comes
     return hub
+
+
+def _student_panels() -> tuple[Panel, ...]:
+    desk = Panel("desk", "Class", PANELS / "panel.js")
+    return (desk, SHARED_PANEL) if os.environ.get(SHARED_ROBOT) else (desk,)
 
 
 def _watched(program: Program, sleeper: Sleeper) -> APIRouter:

@@ -1,6 +1,7 @@
 // @ts-check
 /** The teacher's wall: a tile for each student, and orders to all of them. */
 
+import { DecimalField } from "../../../page/decimal.js";
 import { offerLanguages, t, tn, translated } from "../../../page/language.js";
 
 const EVERY_MS = 1000;
@@ -27,6 +28,12 @@ const byId = (id) => document.getElementById(id);
 /** @type {Map<string, {article: HTMLElement, floor: HTMLImageElement, map: string}>} */
 const tiles = new Map();
 let frozen = false;
+const place = {
+  x: new DecimalField("place-x"), y: new DecimalField("place-y"), theta: new DecimalField("place-theta"),
+};
+place.x.value = 0.2;
+place.y.value = 0;
+place.theta.value = 0;
 
 /** @param {string} words */
 function tell(words) {
@@ -147,8 +154,7 @@ byId("say").onsubmit = (/** @type {SubmitEvent} */ event) => {
 };
 byId("place").onsubmit = (/** @type {SubmitEvent} */ event) => {
   event.preventDefault();
-  const { x, y, theta } = byId("place").elements;
-  order("place", { x: Number(x.value), y: Number(y.value), theta: (Number(theta.value) * Math.PI) / 180 });
+  order("place", { x: place.x.value, y: place.y.value, theta: (place.theta.value * Math.PI) / 180 });
 };
 byId("lesson").onsubmit = (/** @type {SubmitEvent} */ event) => {
   event.preventDefault();
@@ -158,8 +164,8 @@ byId("recording").onchange = async () => {
   const [file] = byId("recording").files;
   if (!file) return;
   tell(t("Handing out {name} …", { name: file.name }));
-  const place = `api/recordings/${encodeURIComponent(file.name)}`;
-  const answer = await fetch(place, { method: "PUT", body: file }).catch(() => null);
+  const address = `api/recordings/${encodeURIComponent(file.name)}`;
+  const answer = await fetch(address, { method: "PUT", body: file }).catch(() => null);
   byId("recording").value = "";
   const taken = answer?.ok ? Object.values(await answer.json()) : [];
   const count = taken.filter(Boolean).length;
