@@ -6,6 +6,7 @@ import json
 import urllib.error
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from http.client import HTTPException
 from typing import Any
 from urllib.parse import urlencode
 from urllib.request import ProxyHandler, Request, build_opener
@@ -143,6 +144,6 @@ class HubClient:
             with error:
                 words = error.read(500).decode("utf-8", "replace")
             raise HubError(error.code, f"the hub refuses {path}: {words}") from error
-        except OSError as error:
+        except (OSError, HTTPException) as error:  # the latter: cut off within an answer
             raise HubError(0, f"the hub does not answer: {error}") from error
         return json.loads(content) if content else None

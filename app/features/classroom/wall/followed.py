@@ -6,6 +6,7 @@ import json
 import math
 import time
 from dataclasses import dataclass, field
+from http.client import HTTPException
 from typing import Any
 from urllib.request import ProxyHandler, Request, build_opener
 
@@ -122,7 +123,7 @@ class FollowedServer:
                 with OPENER.open(request, timeout=ANSWER_S) as answer:
                     content: bytes = answer.read()
                     return content
-            except OSError:
+            except (OSError, HTTPException):  # the latter: cut off within an answer
                 return None
 
         return await anyio.to_thread.run_sync(fetched)

@@ -231,7 +231,16 @@ def _hub(served: RunningClass) -> int:
 
 
 def _child(served: RunningClass, word: bytes) -> int:
-    """The process below the class's command whose own command has a word."""
+    """The process below the class's command whose own command has a word; it may just begin."""
+    end = time.monotonic() + PATIENCE_S
+    while time.monotonic() < end:
+        with suppress(LookupError):
+            return _found(served, word)
+        time.sleep(0.05)
+    raise LookupError(word)
+
+
+def _found(served: RunningClass, word: bytes) -> int:
     found = [served.process.pid]
     for each in found:
         with suppress(OSError):
