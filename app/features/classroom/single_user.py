@@ -7,6 +7,7 @@ from __future__ import annotations
 import argparse
 import os
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from functools import partial
 from urllib.parse import unquote, urlsplit
 
@@ -22,9 +23,15 @@ from app.features.classroom.sign_in import Sessions, SignIn
 from app.features.classroom.sleep import Sleeper
 from app.features.classroom.warm.request import ENDED
 from app.features.course.learn_command import learn
+from app.operating_system import give_way
 from app.page.run_command import run_dashboard
 from app.settings.config import FRONTEND, Config
 
+SERVING_NICENESS = 8
+"""Place of a student's server in the queue for the processor, as ``nice`` counts: behind its own
+process that drives, which is not allowed to come first. So pictures get fewer when a class has more
+work than the computer can do, and the robots drive as before. Half or twice of it changes what
+control gets while both wait, by the kernel's table: 1.5 or 22 times as much, of 3.8 as it is."""
 PANELS = FRONTEND / "features" / "classroom"
 SHARED_PANEL = Panel("queue", "Queue", PANELS / "queue_panel.js")
 
@@ -90,6 +97,8 @@ def _student_panels() -> tuple[Panel, ...]:
 
 def _watched(program: Program, sleeper: Sleeper) -> APIRouter:
     sleeper.watch(program)
+    with suppress(OSError):  # without root nobody comes forward again
+        give_way(SERVING_NICENESS)  # its process that drives was begun before
     return APIRouter()
 
 
