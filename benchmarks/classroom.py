@@ -249,8 +249,8 @@ def _awake(students: list[StudentClient], own: list[int]) -> None:
             each.result()
     _say(f"driving, {len(students)} at once: processor of each", share * 100, "% of a core")
     _say("  pictures of each", rate, "a second")
-    for part, each in zip(("what drives", "what serves"), waited, strict=True):
-        _say(f"  {part} waits for the processor, each time", each * 1000, "ms")
+    for part, wait in zip(("what drives", "what serves"), waited, strict=True):
+        _say(f"  {part} waits for the processor, each time", wait * 1000, "ms")
     _say("  command until its answer, p95", _p95(delays) * 1000, "ms")
     gaps = [b - a for each in stamps.values() for a, b in itertools.pairwise(each)]
     _say("  between two messages of telemetry, p99", _p95(gaps, 0.99) * 1000, "ms")

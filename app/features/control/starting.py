@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from multiprocessing.connection import Connection
 from typing import Any
 
+from app.engine.localization import Localization
 from app.engine.plugging import plugged
 from app.engine.program import LocalProgram
 from app.features.control.process import control
@@ -29,9 +30,11 @@ def share_with_forks(program: LocalProgram) -> None:
     A server that starts with the same field, as those of a class do, has them from here: its own
     copies were 11 MB for each student.
     """
-    entries = program.engine.controls.follower.models.entries
-    arrays = (entries.distances, entries.planes, program.field.floor.image)
-    _shared.extend((program.field, entries, *arrays))
+    follower = program.engine.controls.follower
+    _shared.extend((program.field, program.field.floor.image))
+    if isinstance(follower, Localization):
+        entries = follower.models.entries
+        _shared.extend((entries, entries.distances, entries.planes))
 
 
 def build_elsewhere(config: Config, alone: bool) -> RemoteProgram | None:

@@ -19,6 +19,10 @@ from tornado.httpclient import HTTPClientError
 from tornado.iostream import StreamClosedError
 from tornado.websocket import WebSocketClosedError, websocket_connect
 
+LONGEST_ANSWER_S = 3600.0
+"""A server may take so long for an answer [s], as node's proxy lets it; tornado's own 20 s end
+uploads of recordings that a busy computer reads."""
+
 
 class SteadyHandler(ProxyHandler):
     """Passes on one message of a socket after the other, and its end."""
@@ -74,8 +78,11 @@ class SteadyHandler(ProxyHandler):
             self.proxy.update_last_activity(prefix)
 
 
-class UtcProxy(configproxy.PythonProxy):
-    """Says in which time zone its stamps are."""
+class PatientProxy(configproxy.PythonProxy):
+    """Waits for long answers, and says in which time zone its stamps are."""
+
+    def __init__(self, options: Any = ()) -> None:
+        super().__init__({**dict(options), "proxy_timeout": LONGEST_ANSWER_S})
 
     def update_last_activity(self, prefix: str) -> Any:
         """Note that something is used now."""
@@ -86,7 +93,7 @@ class UtcProxy(configproxy.PythonProxy):
 def main() -> None:
     """Serve, by the options of ``configurable-http-proxy``."""
     configproxy.ProxyHandler = SteadyHandler
-    cli.PythonProxy = UtcProxy
+    cli.PythonProxy = PatientProxy
     cli.main()
 
 

@@ -167,10 +167,12 @@ byId("recording").onchange = async () => {
   const address = `api/recordings/${encodeURIComponent(file.name)}`;
   const answer = await fetch(address, { method: "PUT", body: file }).catch(() => null);
   byId("recording").value = "";
-  const taken = answer?.ok ? Object.values(await answer.json()) : [];
-  const count = taken.filter(Boolean).length;
-  const all = { all: taken.length };
-  tell(tn("{count} robot has it now, of {all}.", "{count} robots have it now, of {all}.", count, all));
+  /** @type {string[]} Why a robot has not taken it; empty of those that have. */
+  const refusals = answer?.ok ? Object.values(await answer.json()) : [];
+  const count = refusals.filter((why) => !why).length;
+  const all = { all: refusals.length };
+  const words = tn("{count} robot has it now, of {all}.", "{count} robots have it now, of {all}.", count, all);
+  tell([words, ...new Set(refusals.filter(Boolean).map((why) => translated(why)))].join(" "));
 };
 byId("field").onsubmit = (/** @type {SubmitEvent} */ event) => {
   event.preventDefault();

@@ -100,7 +100,7 @@ def test_numbers_with_a_decimal_comma_are_understood(browser, served, ada, wall)
     )
     german.locator("#place-x").fill("0,0,5")
     german.locator("#place button").click()
-    assert german.locator("#place-x:invalid").count() == 1
+    expect(german.locator("#place-x:invalid")).to_have_count(1)
     german.context.close()
 
 
