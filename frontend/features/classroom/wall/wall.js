@@ -9,7 +9,7 @@ const RADIUS = 0.06;
 /** What robots claim of where they are. @type {Record<string, string>} */
 const STATES = {
   certain: t("certain"), given: t("as given"), approximate: t("about here"), ambiguous: t("several places look alike"),
-  searching: t("searching"), lost: t("lost"), given: t("as it was told"),
+  searching: t("searching"), lost: t("lost"),
 };
 
 /**
