@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 import os
 import subprocess
@@ -10,6 +11,9 @@ import threading
 import time
 from contextlib import contextmanager, suppress
 from datetime import UTC, datetime
+from functools import partial
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from typing import ClassVar
 from urllib.request import ProxyHandler, Request, build_opener
 
 import pytest
@@ -18,6 +22,8 @@ from reverse_proxies import free_ports
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 from websockets.sync.server import serve
+
+from app.features.classroom.wall.followed import FollowedServer
 
 pytestmark = needs_hub
 TOKEN = "of-hub-and-proxy"
@@ -117,7 +123,41 @@ def test_what_a_page_does_not_read_stays_at_the_server(proxy):
 
 def test_stamps_of_use_say_their_time_zone(proxy):
     with behind(proxy, lambda socket: socket.recv()):
-        (stamp,) = [each["last_activity"] for each in routes(proxy[1]).values()]
+        stamp = routes(proxy[1])["/user/ada"]["last_activity"]
     used = datetime.fromisoformat(stamp)
     assert used.utcoffset() is not None
     assert abs((datetime.now(UTC) - used).total_seconds()) < START_S
+
+
+class TakesRecordings(BaseHTTPRequestHandler):
+    """A student's server, that takes one recording and refuses others."""
+
+    taken: ClassVar[list[bytes]] = []
+
+    def do_PUT(self) -> None:
+        content = self.rfile.read(int(self.headers["Content-Length"]))
+        answer = b'{"detail": "there is a recording already"}' if self.taken else b""
+        self.taken.append(content)
+        self.send_response(409 if answer else 204)
+        if answer:
+            self.send_header("Content-Length", str(len(answer)))
+        self.end_headers()
+        self.wfile.write(answer)
+
+    def log_message(self, *_: object) -> None:
+        """Say nothing."""
+
+
+def test_the_wall_hands_out_a_recording_and_hears_why_it_is_not_taken(proxy):
+    port, api_port = proxy
+    content = b"\x89MCAP%zz&=\xff" * 1000  # no form, whatever a proxy takes it for
+    with ThreadingHTTPServer(("127.0.0.1", 0), TakesRecordings) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        target = f"http://127.0.0.1:{server.server_address[1]}"
+        routes(api_port, "/user/bo", {"target": target})
+        followed = FollowedServer(f"http://127.0.0.1:{port}/user/bo/", "token")
+        put = partial(followed.put, "api/recordings/one", content)
+        assert asyncio.run(put()) == ""
+        assert TakesRecordings.taken == [content]
+        assert asyncio.run(put()) == "there is a recording already"
+        server.shutdown()
