@@ -6,10 +6,8 @@ import json
 import os
 import signal
 import time
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from pathlib import Path
-from urllib.request import ProxyHandler, Request, build_opener
 
 import pytest
 from classes import RunningClass, needs_hub, running_class
@@ -195,31 +193,6 @@ def test_a_hub_that_was_killed_goes_on_with_the_proxy_of_before(served, students
         print(f"links open again after {time.monotonic() - begun:.2f} s")
         live.recv(timeout=5.0)
     assert _proxy(served) == before
-
-
-def test_a_link_that_is_opened_while_its_robot_is_ended_waits_for_the_next_one(served, students):
-    ada = students["ada"]
-    back(ada)
-    before = server_of(served.folder / "students" / "ada")
-    environment = Path(f"/proc/{_child(served, b'wall.service')}/environ").read_bytes()
-    variables = dict(each.split("=", 1) for each in environment.decode().split("\0") if each)
-    headers = {"Authorization": f"token {variables['JUPYTERHUB_API_TOKEN']}"}
-    user = f"{variables['JUPYTERHUB_API_URL']}/users/ada"
-
-    def asked(path: str = "", method: str = "GET"):
-        request = Request(user + path, headers=headers, method=method)
-        with build_opener(ProxyHandler({})).open(request, timeout=PATIENCE_S) as answer:
-            return json.loads(answer.read() or b"null")
-
-    opened = StudentClient(served.address, "ada", served.keys["ada"])
-    with ThreadPoolExecutor(1) as pool:
-        ended = pool.submit(asked, "/server", "DELETE")  # as the culler does
-        while asked()["pending"] != "stop":
-            assert not ended.done(), "it had ended before the link was opened"
-        opened.open(patient=False)
-        ended.result()
-    opened.move(20.0)
-    assert server_of(served.folder / "students" / "ada") != before
 
 
 def _proxy(served: RunningClass) -> int:
