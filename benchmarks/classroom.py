@@ -21,7 +21,7 @@ import threading
 import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import ExitStack, contextmanager, nullcontext, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from http.cookiejar import CookieJar
 from pathlib import Path
 from typing import Any
@@ -53,13 +53,13 @@ class StudentClient:
         self._path = path or f"/user/{login}/"
         self._page = f"{address}{self._path}"
 
-    def open(self, *, patient: bool = True) -> None:
-        """Open the link, and wait for the student's own page; a patient one opens it again."""
+    def open(self) -> None:
+        """Open the link, and wait for the student's own page."""
         end, next_try = time.monotonic() + PATIENCE_S, 0.0
         while time.monotonic() < end:
             if time.monotonic() >= next_try:
                 # While a hub is begun again, its proxy says that it does not answer.
-                with suppress(HTTPError) if patient else nullcontext():
+                with suppress(HTTPError):
                     self._opener.open(self._link, timeout=PATIENCE_S).close()
                 next_try = time.monotonic() + AGAIN_S
             with (
