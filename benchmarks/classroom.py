@@ -57,8 +57,8 @@ class StudentClient:
         """Open the link, and wait for the student's own page."""
         end, next_try = time.monotonic() + PATIENCE_S, 0.0
         while time.monotonic() < end:
-            # While a robot that nobody used is ended, the hub asks people to try again.
             if time.monotonic() >= next_try:
+                # While a hub is begun again, its proxy says that it does not answer.
                 with suppress(HTTPError):
                     self._opener.open(self._link, timeout=PATIENCE_S).close()
                 next_try = time.monotonic() + AGAIN_S
@@ -105,10 +105,16 @@ class StudentClient:
         """Whether the robot sleeps; to ask does not wake it."""
         return bool(self.ask("classroom")["asleep"])
 
-    def stay(self, ended: threading.Event, delays: list[float], stamps: list[float]) -> None:
+    def stay(
+        self,
+        ended: threading.Event,
+        delays: list[float],
+        stamps: list[float],
+        pictures: list[float],
+    ) -> None:
         """Drive in circles and take pictures until it ends; note the delay of clicks [s]."""
         with self.socket("api/live?rate=30") as live, self.socket("api/camera") as camera:
-            drain = threading.Thread(target=_drain, args=(camera, ended), daemon=True)
+            drain = threading.Thread(target=_drain, args=(camera, ended, pictures), daemon=True)
             drain.start()
             sent, number = time.monotonic(), 0
             while not ended.is_set():
@@ -124,10 +130,11 @@ class StudentClient:
             drain.join(PATIENCE_S)
 
 
-def _drain(camera: ClientConnection, ended: threading.Event) -> None:
+def _drain(camera: ClientConnection, ended: threading.Event, pictures: list[float]) -> None:
     while not ended.is_set():
         with suppress(TimeoutError):
             camera.recv(timeout=1.0)
+            pictures.append(time.monotonic())
 
 
 def main() -> int:
@@ -221,19 +228,29 @@ def _name(pid: int) -> str:
 def _awake(students: list[StudentClient], own: list[int]) -> None:
     ended = threading.Event()
     delays: list[float] = []
+    pictures: list[float] = []
     stamps: dict[str, list[float]] = {student.login: [] for student in students}
+    drives = [pid for pid in own if _parent(pid) in own]
+    serves = [pid for pid in own if pid not in drives]
     with ThreadPoolExecutor(len(students)) as pool:
         running = [
-            pool.submit(student.stay, ended, delays, stamps[student.login]) for student in students
+            pool.submit(student.stay, ended, delays, stamps[student.login], pictures)
+            for student in students
         ]
         time.sleep(2.0)
-        begun, work = time.monotonic(), _work(own)
+        begun, work, seen = time.monotonic(), _work(own), len(pictures)
+        waits = [_waits(pids) for pids in (drives, serves)]
         time.sleep(AWAKE_S)
+        waited = [_waited(b, pids) for b, pids in zip(waits, (drives, serves), strict=True)]
+        rate = (len(pictures) - seen) / (time.monotonic() - begun) / len(students)
         share = _seconds_since(work, own) / (time.monotonic() - begun) / len(students)
         ended.set()
         for each in running:
             each.result()
     _say(f"driving, {len(students)} at once: processor of each", share * 100, "% of a core")
+    _say("  pictures of each", rate, "a second")
+    for part, wait in zip(("what drives", "what serves"), waited, strict=True):
+        _say(f"  {part} waits for the processor, each time", wait * 1000, "ms")
     _say("  command until its answer, p95", _p95(delays) * 1000, "ms")
     gaps = [b - a for each in stamps.values() for a, b in itertools.pairwise(each)]
     _say("  between two messages of telemetry, p99", _p95(gaps, 0.99) * 1000, "ms")
@@ -310,6 +327,26 @@ def _work(pids: list[int]) -> dict[Path, int]:
                 with suppress(OSError):
                     work[task] = int((task / "schedstat").read_text().split()[0])
     return work
+
+
+def _parent(pid: int) -> int:
+    return int(Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[1])
+
+
+def _waits(pids: list[int]) -> dict[int, tuple[int, int]]:
+    """Return of each main thread how long it has waited for a processor [ns], and how often."""
+    waits = {}
+    for pid in pids:
+        _, waited, count = Path(f"/proc/{pid}/schedstat").read_text().split()
+        waits[pid] = int(waited), int(count)
+    return waits
+
+
+def _waited(before: dict[int, tuple[int, int]], pids: list[int]) -> float:
+    """Return how long they waited since then each time, on average [s]."""
+    waits = _waits(pids)
+    seconds = sum(waits[pid][0] - before[pid][0] for pid in pids) / 1e9
+    return seconds / max(sum(waits[pid][1] - before[pid][1] for pid in pids), 1)
 
 
 def _seconds_since(before: dict[Path, int], pids: list[int]) -> float:

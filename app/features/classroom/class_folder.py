@@ -93,6 +93,18 @@ class ClassFolder:
             ) from error
         return kept
 
+    def proxy_token(self) -> str:
+        """Return what hub and proxy know each other by; drawn at first, so that both may change."""
+        path = self.path / "proxy_token"
+        try:
+            return path.read_text("ascii")
+        except FileNotFoundError:
+            token = secrets.token_hex(32)
+            with atomic_file(path) as unfinished:
+                unfinished.touch(mode=0o600)
+                unfinished.write_text(token, encoding="ascii")
+            return token
+
     def write_names(self, students: Sequence[Student]) -> None:
         """Keep the names for the wall."""
         with atomic_file(self.names) as unfinished:

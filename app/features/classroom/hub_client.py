@@ -6,6 +6,7 @@ import json
 import urllib.error
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from http.client import HTTPException
 from typing import Any
 from urllib.parse import urlencode
 from urllib.request import ProxyHandler, Request, build_opener
@@ -14,6 +15,8 @@ from robot.errors import BrickPoseError
 from robot.settings import SettingError
 
 ANSWER_S = 10.0
+SHARED_ROBOT = "BRICKPOSE_SHARED_ROBOT"
+"""In the environment of students' servers and the wall, if the class shares a robot."""
 NEEDED = (
     "JUPYTERHUB_API_URL", "JUPYTERHUB_API_TOKEN", "JUPYTERHUB_CLIENT_ID",
     "JUPYTERHUB_SERVICE_PREFIX", "JUPYTERHUB_SERVICE_URL", "JUPYTERHUB_OAUTH_CALLBACK_URL",
@@ -141,6 +144,6 @@ class HubClient:
             with error:
                 words = error.read(500).decode("utf-8", "replace")
             raise HubError(error.code, f"the hub refuses {path}: {words}") from error
-        except OSError as error:
+        except (OSError, HTTPException) as error:  # the latter: cut off within an answer
             raise HubError(0, f"the hub does not answer: {error}") from error
         return json.loads(content) if content else None

@@ -7,6 +7,7 @@ from __future__ import annotations
 import argparse
 import os
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from functools import partial
 from urllib.parse import unquote, urlsplit
 
@@ -15,17 +16,24 @@ from fastapi import APIRouter
 from app.engine.program import Program
 from app.feature import Feature, NewGate, Panel
 from app.features.classroom.class_desk import ClassDesk, ClassState
-from app.features.classroom.hub_client import HubClient, HubEnvironment
+from app.features.classroom.hub_client import SHARED_ROBOT, HubClient, HubEnvironment
 from app.features.classroom.shared.queue_desk import QueueDesk
 from app.features.classroom.shared.turns import TurnQueue
 from app.features.classroom.sign_in import Sessions, SignIn
 from app.features.classroom.sleep import Sleeper
 from app.features.classroom.warm.request import ENDED
 from app.features.course.learn_command import learn
+from app.operating_system import give_way
 from app.page.run_command import run_dashboard
 from app.settings.config import FRONTEND, Config
 
+SERVING_NICENESS = 8
+"""Place of a student's server in the queue for the processor, as ``nice`` counts: behind its own
+process that drives, which is not allowed to come first. So pictures get fewer when a class has more
+work than the computer can do, and the robots drive as before. Half or twice of it changes what
+control gets while both wait, by the kernel's table: 1.5 or 22 times as much, of 3.8 as it is."""
 PANELS = FRONTEND / "features" / "classroom"
+SHARED_PANEL = Panel("queue", "Queue", PANELS / "queue_panel.js")
 
 
 def serve_user(
@@ -47,7 +55,7 @@ def serve_user(
         about="visitors sign in at the hub, and the teacher's wall has a say",
         gates=(lambda _config: _gates(HubClient(hub), sleeper),),
         routers=(lambda program: _watched(program, sleeper),),
-        panels=(Panel("desk", "Class", PANELS / "panel.js"),),
+        panels=_student_panels(),
     )
     parsed.features = parsed.features.adding(desk)
     return learn(parsed, config_from(parsed))
@@ -68,7 +76,7 @@ def serve_shared(
         name="class",
         about="visitors sign in at the hub, and drive one after the other",
         gates=(gates,),
-        panels=(Panel("queue", "Queue", PANELS / "queue_panel.js"),),
+        panels=(SHARED_PANEL,),
     )
     return run_dashboard(parsed, config_from(parsed), parsed.features.adding(desk), "/")
 
@@ -82,8 +90,15 @@ def _as_the_hub_says(parsed: argparse.Namespace) -> HubEnvironment:
     return hub
 
 
+def _student_panels() -> tuple[Panel, ...]:
+    desk = Panel("desk", "Class", PANELS / "panel.js")
+    return (desk, SHARED_PANEL) if os.environ.get(SHARED_ROBOT) else (desk,)
+
+
 def _watched(program: Program, sleeper: Sleeper) -> APIRouter:
     sleeper.watch(program)
+    with suppress(OSError):  # without root nobody comes forward again
+        give_way(SERVING_NICENESS)  # its process that drives was begun before
     return APIRouter()
 
 

@@ -14,7 +14,7 @@ from __future__ import annotations
 import io
 import math
 import pickle
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, fields
 from functools import cache
 from operator import attrgetter
@@ -48,15 +48,16 @@ class _Part:
 class _Table:
     """The parts that one end has, by their numbers."""
 
-    def __init__(self) -> None:
-        self.parts: dict[Number, _Part] = {}
+    def __init__(self, shared: Sequence[object] = ()) -> None:
+        self.parts: dict[Number, _Part] = {-1 - n: _Part(each) for n, each in enumerate(shared)}
+        """What both ends had before the first message has negative numbers, and stays."""
         self.used: set[Number] = set()
         """Those of the message at hand."""
 
     def drop_unused(self) -> None:
         """Keep the parts of the message at hand, with what is within them, and no others."""
         kept: set[Number] = set()
-        waiting = list(self.used)
+        waiting = [*self.used, *(number for number in self.parts if number < 0)]
         while waiting:
             number = waiting.pop()
             if number not in kept:
@@ -69,16 +70,22 @@ class _Table:
 class PartsWriter:
     """Turns values into bytes for one reader, which must get all of them in their order."""
 
-    def __init__(self, kinds: Iterable[type], ring: SharedRing | None = None) -> None:
+    def __init__(
+        self,
+        kinds: Iterable[type],
+        ring: SharedRing | None = None,
+        shared: Sequence[object] = (),
+    ) -> None:
         """Objects of these classes, and large arrays, are parts; nobody may change them.
 
         So are those of a class that says ``is_part = True``. What has a method ``elsewhere`` is
-        made by what this returns, a function and its arguments. The reader has the same ring.
+        made by what this returns, a function and its arguments. The reader has the same ring, and
+        the same ``shared`` parts, which are never sent: as a fork has those of before it.
         """
         self._kinds = frozenset(kinds)
         self._ring = ring
-        self._table = _Table()
-        self._numbers: dict[int, Number] = {}
+        self._table = _Table(shared)
+        self._numbers = {id(part.value): n for n, part in self._table.parts.items()}
         self._next = 0
         self._reducers = _Reducers(self._reducer)
         self._around: set[Number] = set()
@@ -228,9 +235,9 @@ def _array_part(number: Number, content: bytes | int, form: str, shape: tuple[in
 class PartsReader:
     """Turns bytes of one writer into the values that they were."""
 
-    def __init__(self, ring: SharedRing | None = None) -> None:
-        """``ring`` is the writer's."""
-        self._table = _Table()
+    def __init__(self, ring: SharedRing | None = None, shared: Sequence[object] = ()) -> None:
+        """``ring`` and ``shared`` are the writer's."""
+        self._table = _Table(shared)
         self._ring = ring
         self._read = 0
         """Up to where the ring is read."""

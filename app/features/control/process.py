@@ -83,6 +83,7 @@ def control(
     config: Config,
     without: Sequence[str],
     ring: SharedRing | None = None,
+    shared: Sequence[object] = (),
 ) -> None:
     """Control a robot until the server has gone or asks for the end; the work of the process.
 
@@ -91,19 +92,22 @@ def control(
         config: everything that can be set.
         without: the names of features that are left out.
         ring: memory that the server shares; without it, pictures go through the pipe.
+        shared: parts of snapshots that the server has, too, because this process is its fork.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the server, which then asks
     sys.setswitchinterval(HAND_OVER_S)
     come_first()
     cv2.setNumThreads(1)
     plug_in(find_features(without))
-    _ControlProcess(connection, ring).work(config)
+    _ControlProcess(connection, ring, shared).work(config)
 
 
 class _ControlProcess:
-    def __init__(self, connection: Connection, ring: SharedRing | None) -> None:
+    def __init__(
+        self, connection: Connection, ring: SharedRing | None, shared: Sequence[object]
+    ) -> None:
         self._connection = connection
-        self._parts = PartsWriter(PARTS, ring)
+        self._parts = PartsWriter(PARTS, ring, shared)
         self._sending = threading.Lock()
         self._stop = threading.Event()
         """Set when the loop at hand shall end."""

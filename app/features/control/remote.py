@@ -8,7 +8,7 @@ import pickle
 import signal
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from multiprocessing.connection import Connection
@@ -57,12 +57,16 @@ class ControlProcess:
     """The process that drives the robot, and the server's end of the pipe to it."""
 
     def __init__(
-        self, process: BaseProcess, connection: Connection, ring: SharedRing | None = None
+        self,
+        process: BaseProcess,
+        connection: Connection,
+        ring: SharedRing | None = None,
+        shared: Sequence[object] = (),
     ) -> None:
-        """``ring`` is memory that both share."""
+        """``ring`` is memory that both share, ``shared`` what both had before the fork."""
         self.process = process
         self.connection = connection
-        self._parts = PartsReader(ring)
+        self._parts = PartsReader(ring, shared)
         self._sending = threading.Lock()
 
     def read(self, timeout: float | None = None) -> Any:

@@ -1,10 +1,17 @@
 // @ts-check
-/** The queue of a robot that the class shares: who drives, who waits, and one's own place. */
+/**
+ * The queue of a robot that the class shares: who drives, who waits, and one's own place. On that
+ * robot's page, and on each student's own.
+ */
 
 /** Served below `panels/`, beside which the page's own scripts are `static/`. */
 const { t, tn } = await import(new URL("../../../static/page/language.js", import.meta.url).href);
 const EVERY_MS = 1000;
-const ADDRESS = "queue";
+/** Of a student's own page: where the robot is that all share. */
+const SHARED = location.pathname.includes("/user/")
+  ? `${location.pathname.split("/user/")[0]}/services/robot/`
+  : "";
+const ADDRESS = `${SHARED}queue`;
 
 /**
  * @typedef {{driver: string | null, waiting: string[], ended: boolean, seconds_left: number,
@@ -21,6 +28,8 @@ export function panel(body) {
   button.id = "queue-wish";
   button.type = "button";
   body.append(told, waiting, button);
+  if (SHARED) body.append(" ", linkToRobot());
+  let asked = false;
   let wish = "join";
 
   /** @param {Queue} queue */
@@ -41,13 +50,30 @@ export function panel(body) {
   async function ask(request) {
     const answer = await fetch(ADDRESS, { cache: "no-store", ...request }).catch(() => null);
     if (answer?.ok) show(await answer.json());
-    if (answer?.status === 401) location.reload();
+    if (answer?.status !== 401) return;
+    if (!SHARED) location.reload();
+    // The hub knows who this is: the first page of that robot signs in there, without a click.
+    else if (!asked) {
+      asked = true;
+      await fetch(SHARED, { headers: { Accept: "text/html" } }).catch(() => null);
+      await ask();
+      asked = false;
+    }
   }
 
   button.onclick = () => ask({ method: "POST", body: JSON.stringify({ action: wish }) });
   setInterval(ask, EVERY_MS);
   ask();
   return { show() {} };
+}
+
+function linkToRobot() {
+  const link = document.createElement("a");
+  link.id = "queue-robot";
+  link.href = SHARED;
+  link.target = "_blank";
+  link.textContent = t("Watch the shared robot");
+  return link;
 }
 
 /** @param {Queue} queue */

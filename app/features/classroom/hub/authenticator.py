@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+import asyncio
 import hmac
+import time
 from pathlib import Path
 from typing import Any
 from urllib.parse import urlencode
 
 from jupyterhub.auth import Authenticator
 from jupyterhub.handlers import BaseHandler
+from jupyterhub.utils import utcnow
 from traitlets import Unicode
 
 from app.features.classroom.class_folder import ClassFolder
 from app.features.classroom.roster import TEACHER
 
+ENDING_S, LOOK_S = 20.0, 0.05
+"""A robot ends within 5 s, and is killed else [s]."""
 UNKNOWN = "There is no such link: ask for yours again."
 
 
@@ -34,6 +39,25 @@ class LinkAuthenticator(Authenticator):
         return [(r"/enter/([\w-]+)", EnterHandler)]
 
 
+async def until_ended(spawner: Any, patience: float = ENDING_S) -> None:
+    """Wait while a robot that nobody used is being ended: a hub asks people to try again then.
+
+    Args:
+        spawner: the hub's, of a student.
+        patience: how long at most [s].
+    """
+    end = time.monotonic() + patience
+    while spawner.pending == "stop" and time.monotonic() < end:
+        await asyncio.sleep(LOOK_S)
+
+
+def note_use(spawner: Any, db: Any) -> None:
+    """Note that a robot is used from now on: the culler may look before its page was seen."""
+    if spawner.active:
+        spawner.orm_spawner.last_activity = utcnow(with_tz=False)
+        db.commit()
+
+
 class EnterHandler(BaseHandler):
     """Opens a student's robot, or the teacher's wall."""
 
@@ -46,6 +70,8 @@ class EnterHandler(BaseHandler):
         elif user.name == TEACHER:
             self.redirect(f"{self.settings['base_url']}services/wall/")
         else:
+            await until_ended(user.spawner)
+            note_use(user.spawner, self.db)
             own = f"{self.settings['base_url']}user/{user.escaped_name}/"
             following = urlencode({"next": f"{own}learn/1"})
             self.redirect(f"{self.hub.base_url}spawn/{user.escaped_name}?{following}")

@@ -8,9 +8,13 @@ from pathlib import Path
 from typing import Any
 
 from app.features.classroom.class_folder import ClassFolder
+from app.features.classroom.hub_client import SHARED_ROBOT
 from app.features.classroom.roster import TEACHER
 
 START_S = 120
+MOST_ACTIVITY_S = 15
+"""The hub hears at least so often who is there [s]: a page that comes back after an hour must be
+known before the culler looks, which is once a minute."""
 SHARED = "robot"
 SHARED_SCOPE = f"access:services!service={SHARED}"
 STUDENT_COMMAND = [sys.executable, "-m", "app", "single-user"]
@@ -54,9 +58,11 @@ def configure(
     c.Authenticator.admin_users = {TEACHER}
     # Servers outlive the hub: kill -9 of the hub costs no student a drive.
     c.JupyterHub.cleanup_servers = False
+    c.JupyterHub.proxy_class = f"{__package__}.lasting_proxy.LastingProxy"
+    c.ConfigurableHTTPProxy.auth_token = place.proxy_token()
     c.ConfigurableHTTPProxy.api_url = f"http://127.0.0.1:{port + 2}"
     c.ConfigurableHTTPProxy.pid_file = str(place.path / "proxy.pid")
-    c.ConfigurableHTTPProxy.check_running_interval = 2
+    c.ConfigurableHTTPProxy.check_running_interval = 1
     c.ConfigurableHTTPProxy.command = proxy_command()
     c.JupyterHub.spawner_class = f"{__package__}.spawner.StudentSpawner"
     c.StudentSpawner.class_folder = folder
@@ -65,15 +71,16 @@ def configure(
     c.StudentSpawner.disk_mb = disk_mb
     c.Spawner.mem_limit = memory_mb * 1024 * 1024
     c.Spawner.start_timeout = c.Spawner.http_timeout = START_S
-    c.Spawner.poll_interval = 3
+    c.Spawner.poll_interval = 1
     if notebook:
         c.Spawner.default_url = "/lab"
     c.JupyterHub.concurrent_spawn_limit = 0
     # Else the hub learns in five minutes who is there, and the culler ends robots in use.
-    c.JupyterHub.last_activity_interval = min(300, max(idle_s // 4, 5))
+    c.JupyterHub.last_activity_interval = min(MOST_ACTIVITY_S, max(idle_s // 4, 5))
     c.JupyterHub.services = [_culler(place, idle_s), _wall(place, port, shared=bool(shared_robot))]
     c.JupyterHub.load_roles = [_CULLING, _WALL]
     if shared_robot:
+        c.Spawner.environment = {SHARED_ROBOT: SHARED}
         c.JupyterHub.services += [_shared(place, port, shared_robot, turn_min)]
         c.JupyterHub.load_roles += [
             {"name": "user", "scopes": ["self", SHARED_SCOPE]},
@@ -115,7 +122,7 @@ def _wall(folder: ClassFolder, port: int, *, shared: bool) -> dict[str, Any]:
         "PYTHONPATH": os.environ.get("PYTHONPATH", ""),
     }  # fmt: skip
     if shared:
-        environment["BRICKPOSE_SHARED_ROBOT"] = f"services/{SHARED}/"
+        environment[SHARED_ROBOT] = f"services/{SHARED}/"
     return {
         "name": "wall", "url": f"http://127.0.0.1:{port + 3}", "oauth_no_confirm": True,
         "command": [sys.executable, "-m", "app.features.classroom.wall.service"],
@@ -137,5 +144,5 @@ def _culler(folder: ClassFolder, idle_s: int) -> dict[str, Any]:
 
 def proxy_command() -> list[str]:
     """Return how the hub's proxy is started: the one in Python, so that no node is needed."""
-    start = "from configurable_http_proxy.cli import main; main()"
-    return os.environ.get("BRICKPOSE_PROXY", "").split() or [sys.executable, "-c", start]
+    own = [sys.executable, "-m", f"{__package__}.proxy_server"]
+    return os.environ.get("BRICKPOSE_PROXY", "").split() or own

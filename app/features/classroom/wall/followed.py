@@ -6,7 +6,9 @@ import json
 import math
 import time
 from dataclasses import dataclass, field
+from http.client import HTTPException
 from typing import Any
+from urllib.error import HTTPError
 from urllib.request import ProxyHandler, Request, build_opener
 
 import anyio
@@ -20,6 +22,9 @@ ANSWER_S = 5.0
 SELDOM_S = 10.0
 """A server that sleeps is asked so seldom [s]: when it wakes, its telemetry says so. Asked each
 second, it would cost a third of what sleeping costs."""
+TAKEN_S = 120.0
+"""A recording that is handed out is read by each server first, thirty of them at once [s]."""
+LONGEST_WORDS = 2000
 AGAIN_S = 1.0
 OPENER = build_opener(ProxyHandler({}))  # the students' servers are near
 
@@ -108,12 +113,26 @@ class FollowedServer:
     async def read(self, path: str, body: dict[str, Any] | None = None) -> bytes | None:
         """Return what the server has at a path; None if it has nothing."""
         data = None if body is None else json.dumps(body).encode()
-        return await self._fetched(Request(self.address + path, data, self.headers))
+        headers = {**self.headers, "Content-Type": "application/json"}
+        return await self._fetched(Request(self.address + path, data, headers))
 
-    async def put(self, path: str, content: bytes) -> bool:
-        """Put something to a path of the server; return whether it was taken."""
-        request = Request(self.address + path, content, self.headers, method="PUT")
-        return await self._fetched(request) is not None
+    async def put(self, path: str, content: bytes) -> str:
+        """Put something to a path of the server; return why it was not taken, or nothing."""
+        # By default urllib says that it is a form, and the hub's proxy refuses one that is none.
+        headers = {**self.headers, "Content-Type": "application/octet-stream"}
+        request = Request(self.address + path, content, headers, method="PUT")
+
+        def why_not() -> str:
+            try:
+                OPENER.open(request, timeout=TAKEN_S).close()
+            except HTTPError as error:
+                with error:
+                    return _words(error.read(LONGEST_WORDS)) or f"HTTP {error.code}"
+            except (OSError, HTTPException) as error:
+                return str(error)
+            return ""
+
+        return await anyio.to_thread.run_sync(why_not)
 
     async def _fetched(self, request: Request) -> bytes | None:
 
@@ -122,7 +141,15 @@ class FollowedServer:
                 with OPENER.open(request, timeout=ANSWER_S) as answer:
                     content: bytes = answer.read()
                     return content
-            except OSError:
+            except (OSError, HTTPException):  # the latter: cut off within an answer
                 return None
 
         return await anyio.to_thread.run_sync(fetched)
+
+
+def _words(answer: bytes) -> str:
+    """Return what a server's refusal says."""
+    try:
+        return str(json.loads(answer)["detail"])
+    except (ValueError, KeyError, TypeError):
+        return answer.decode("utf-8", "replace").strip()

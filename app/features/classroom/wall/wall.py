@@ -14,7 +14,7 @@ from anyio.abc import TaskGroup
 
 from app.engine.problems import LOG
 from app.features.classroom.class_folder import ClassFolder
-from app.features.classroom.hub_client import HubClient, HubError
+from app.features.classroom.hub_client import SHARED_ROBOT, HubClient, HubError
 from app.features.classroom.roster import TEACHER
 from app.features.classroom.wall.followed import FollowedServer
 
@@ -35,7 +35,7 @@ class Wall:
         self.hub = hub
         self.folder = folder
         self._address = address
-        shared = os.environ.get("BRICKPOSE_SHARED_ROBOT")
+        shared = os.environ.get(SHARED_ROBOT)
         base = hub.environment.base_url
         self.shared = (
             FollowedServer(f"{address}{base}{shared}", hub.environment.api_token)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
 
@@ -25,12 +25,15 @@ def end_copies(place: Path, seconds: float) -> None:
 def end_services(folder: Path, seconds: float) -> None:
     """End the services of a class's hub: where it was killed, they go on with tokens of the past.
 
+    At once: the next hub waits for it, and they keep nothing. The robot that a class shares stops
+    by itself when its server ends, however that ends.
+
     Args:
         folder: the class's, which their environment names.
-        seconds: they get so long before they are killed.
+        seconds: it is waited for so long.
     """
     wanted = b"BRICKPOSE_CLASS=" + os.fsencode(folder) + b"\0"
-    _end(lambda process: wanted in (process / "environ").read_bytes(), seconds)
+    _end(lambda process: wanted in (process / "environ").read_bytes(), seconds, (signal.SIGKILL,))
 
 
 def end_proxy(folder: Path, seconds: float) -> None:
@@ -44,16 +47,20 @@ def end_proxy(folder: Path, seconds: float) -> None:
         pid = (folder / "proxy.pid").read_text().strip()
     except OSError:
         return
-    name = b"configurable"  # the number may be another one's by now
-    _end(lambda process: process.name == pid and name in _command(process), seconds)
+    # The number may be another one's by now.
+    _end(lambda process: process.name == pid and b"proxy" in _command(process), seconds)
 
 
 def _command(process: Path) -> bytes:
     return (process / "cmdline").read_bytes()
 
 
-def _end(is_one: Callable[[Path], bool], seconds: float) -> None:
-    for sign in (signal.SIGTERM, signal.SIGKILL):
+def _end(
+    is_one: Callable[[Path], bool],
+    seconds: float,
+    signs: Sequence[signal.Signals] = (signal.SIGTERM, signal.SIGKILL),
+) -> None:
+    for sign in signs:
         end = time.monotonic() + seconds
         for pid in _processes(is_one):
             with suppress(OSError):

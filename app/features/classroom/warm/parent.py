@@ -50,8 +50,13 @@ LATE = (
     "app.command_line",
     "app.tools.doctor.finding",
     "encodings.idna",
+    "fastapi.telemetry._runtime",
+    "multiprocessing.popen_fork",
     "pydantic.v1",
+    "rich._emoji_codes",
     "rich.console",
+    "rich.panel",
+    "rich.table",
     "uvicorn.lifespan.on",
     "uvicorn.protocols.http.h11_impl",
     "uvicorn.protocols.websockets.websockets_sansio_impl",
@@ -177,6 +182,7 @@ def get_warm() -> None:
     from app.engine.build import build_program  # noqa: PLC0415
     from app.engine.plugging import plug_in  # noqa: PLC0415
     from app.feature_search import find_features  # noqa: PLC0415
+    from app.features.control.starting import share_with_forks  # noqa: PLC0415
     from app.settings.config import Config  # noqa: PLC0415
 
     plug_in(find_features())
@@ -185,6 +191,7 @@ def get_warm() -> None:
         for _ in range(STEPS):
             program.engine.step()
         program.robot.close()
+        share_with_forks(program)
     end = time.monotonic() + ALONE_S
     while len(list(Path("/proc/self/task").iterdir())) > 1:
         if time.monotonic() > end:

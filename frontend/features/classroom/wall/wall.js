@@ -1,6 +1,7 @@
 // @ts-check
 /** The teacher's wall: a tile for each student, and orders to all of them. */
 
+import { DecimalField } from "../../../page/decimal.js";
 import { offerLanguages, t, tn, translated } from "../../../page/language.js";
 
 const EVERY_MS = 1000;
@@ -8,7 +9,7 @@ const RADIUS = 0.06;
 /** What robots claim of where they are. @type {Record<string, string>} */
 const STATES = {
   certain: t("certain"), given: t("as given"), approximate: t("about here"), ambiguous: t("several places look alike"),
-  searching: t("searching"), lost: t("lost"), given: t("as it was told"),
+  searching: t("searching"), lost: t("lost"),
 };
 
 /**
@@ -27,6 +28,12 @@ const byId = (id) => document.getElementById(id);
 /** @type {Map<string, {article: HTMLElement, floor: HTMLImageElement, map: string}>} */
 const tiles = new Map();
 let frozen = false;
+const place = {
+  x: new DecimalField("place-x"), y: new DecimalField("place-y"), theta: new DecimalField("place-theta"),
+};
+place.x.value = 0.2;
+place.y.value = 0;
+place.theta.value = 0;
 
 /** @param {string} words */
 function tell(words) {
@@ -147,8 +154,7 @@ byId("say").onsubmit = (/** @type {SubmitEvent} */ event) => {
 };
 byId("place").onsubmit = (/** @type {SubmitEvent} */ event) => {
   event.preventDefault();
-  const { x, y, theta } = byId("place").elements;
-  order("place", { x: Number(x.value), y: Number(y.value), theta: (Number(theta.value) * Math.PI) / 180 });
+  order("place", { x: place.x.value, y: place.y.value, theta: (place.theta.value * Math.PI) / 180 });
 };
 byId("lesson").onsubmit = (/** @type {SubmitEvent} */ event) => {
   event.preventDefault();
@@ -158,13 +164,15 @@ byId("recording").onchange = async () => {
   const [file] = byId("recording").files;
   if (!file) return;
   tell(t("Handing out {name} …", { name: file.name }));
-  const place = `api/recordings/${encodeURIComponent(file.name)}`;
-  const answer = await fetch(place, { method: "PUT", body: file }).catch(() => null);
+  const address = `api/recordings/${encodeURIComponent(file.name)}`;
+  const answer = await fetch(address, { method: "PUT", body: file }).catch(() => null);
   byId("recording").value = "";
-  const taken = answer?.ok ? Object.values(await answer.json()) : [];
-  const count = taken.filter(Boolean).length;
-  const all = { all: taken.length };
-  tell(tn("{count} robot has it now, of {all}.", "{count} robots have it now, of {all}.", count, all));
+  /** @type {string[]} Why a robot has not taken it; empty of those that have. */
+  const refusals = answer?.ok ? Object.values(await answer.json()) : [];
+  const count = refusals.filter((why) => !why).length;
+  const all = { all: refusals.length };
+  const words = tn("{count} robot has it now, of {all}.", "{count} robots have it now, of {all}.", count, all);
+  tell([words, ...new Set(refusals.filter(Boolean).map((why) => translated(why)))].join(" "));
 };
 byId("field").onsubmit = (/** @type {SubmitEvent} */ event) => {
   event.preventDefault();

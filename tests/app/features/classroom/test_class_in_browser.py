@@ -11,7 +11,9 @@ from pathlib import Path
 import pytest
 from classes import needs_hub, running_class
 from course.solutions import ARRAYS
+from engine_runs import kinematic
 from playwright.sync_api import expect
+from recordings import record
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow, needs_hub]
 DRIVES = "Math.hypot(brickpose.telemetry.twist.v, brickpose.telemetry.twist.omega) > 0.01"
@@ -19,7 +21,9 @@ DRIVES = "Math.hypot(brickpose.telemetry.twist.v, brickpose.telemetry.twist.omeg
 
 @pytest.fixture(scope="module")
 def served(tmp_path_factory):
-    with running_class(tmp_path_factory.mktemp("class"), "Ada Lovelace\nJürgen Groß\n") as running:
+    words = ("--shared-robot", "kinematic")
+    folder = tmp_path_factory.mktemp("class")
+    with running_class(folder, "Ada Lovelace\nJürgen Groß\n", *words) as running:
         yield running
 
 
@@ -81,6 +85,51 @@ def test_all_start_at_the_same_place(wall, ada, juergen):
             "Math.hypot(brickpose.telemetry.truth.x - 0.1, brickpose.telemetry.truth.y) < 0.005"
             " && Math.abs(brickpose.telemetry.truth.theta - Math.PI / 2) < 0.05"
         )
+
+
+def test_a_lesson_is_handed_out_and_taken_back(wall, ada, juergen):
+    wall.locator("#lesson [name=number]").fill("3")
+    wall.locator("#lesson button").click()
+    for page in (ada, juergen):
+        link = page.locator("#class-banner a")
+        expect(link).to_have_text("lesson 3")
+        expect(link).to_have_attribute("href", "learn/3")
+    wall.locator("#lesson [name=number]").fill("0")
+    wall.locator("#lesson button").click()
+    for page in (ada, juergen):
+        expect(page.locator("#class-banner a")).to_have_count(0)
+
+
+def test_a_recording_is_handed_out_to_both(wall, served, ada, juergen, tmp_path):
+    made, *_ = record(kinematic(), tmp_path, 1.0)
+    [file] = made.glob("*.mcap")
+    wall.set_input_files("#recording", file)
+    expect(wall.locator("#told")).to_have_text("2 robots have it now, of 2.")
+    for page, login in ((ada, "ada-lovelace"), (juergen, "juergen-gross")):
+        listed = page.request.get(f"{served.address}/user/{login}/api/recordings").text()
+        assert file.stem.removesuffix("_0") in listed
+
+
+def test_the_shared_robots_queue_is_on_the_wall_and_on_the_students_own_pages(wall, ada, juergen):
+    told = wall.locator("#queue-told")
+    expect(told).to_contain_text("Nobody drives")
+    expect(ada.locator("#queue-told")).to_have_text("Nobody drives: queue up.")
+    ada.evaluate("document.querySelector('#queue-wish').click()")
+    expect(ada.locator("#queue-told")).to_have_text("You drive; nobody waits.")
+    expect(told).to_contain_text("ada-lovelace drives")
+    juergen.evaluate("document.querySelector('#queue-wish').click()")
+    expect(juergen.locator("#queue-told")).to_contain_text("ada-lovelace drives")
+    expect(told).to_contain_text("1 waits: juergen-gross")
+    wall.locator("#queue-login").select_option("juergen-gross")
+    wall.locator("#queue-hand").click()
+    expect(juergen.locator("#queue-told")).to_contain_text("You drive")
+    wall.locator("#queue-skip").click()
+    expect(ada.locator("#queue-told")).to_contain_text("You drive")
+    assert ada.locator("#queue-robot").get_attribute("href") == "/services/robot/"
+    wall.locator("#queue-end").click()
+    for page in (ada, juergen):
+        expect(page.locator("#queue-told")).to_have_text("The teacher has ended the queue.")
+    expect(wall.locator("#queue-end")).to_have_text("Open the queue")
 
 
 def test_results_are_collected(wall, served, tmp_path):

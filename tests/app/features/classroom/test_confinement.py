@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import ctypes
+import errno
 import json
 import os
+import platform
 import socket
 import sys
 import traceback
@@ -181,3 +183,32 @@ def test_processes_of_others_are_out_of_reach_as_root(tried, request):
     told = run(code)
     assert told.pop("processes") == MOST_PROCESSES
     assert set(told.values()) == {"PermissionError"}
+
+
+@pytest.mark.skipif(platform.machine() != "x86_64", reason="the numbers are those of x86-64")
+def test_calls_by_number_that_once_left_the_graders_sandbox_lead_nowhere_as_root(tried, request):
+    if "of root" not in request.node.name:
+        pytest.skip("without root, students share a user: docs/classroom.md says so")
+    parent = os.getpid()
+
+    def code(folder, home):
+        libc = ctypes.CDLL(None, use_errno=True)
+        other = os.fsencode(folder / "students" / "bo" / "my_filter.py")
+        info = (ctypes.c_int * 32)(0, 0, -1)
+        calls = {
+            "rt_sigqueueinfo": (129, parent, 0, info),
+            "fchmodat2": (452, -100, other, 0o777, 0),
+            "utimes": (235, other, None),
+            "setpriority": (141, 0, parent, 10),
+        }
+        return {name: (libc.syscall(*call), ctypes.get_errno()) for name, call in calls.items()}
+
+    folder, run = tried
+    other = folder / "students" / "bo" / "my_filter.py"
+    before = other.stat()
+    told = run(code)
+    unknown = [errno.ENOSYS] * (told["fchmodat2"][1] == errno.ENOSYS)  # an older kernel's
+    allowed = {errno.EPERM, errno.EACCES, *unknown}
+    assert all(result == -1 and number in allowed for result, number in told.values()), told
+    after = other.stat()
+    assert (after.st_mode, after.st_mtime) == (before.st_mode, before.st_mtime)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+import socket
+import threading
 
 from app.features.classroom.wall.followed import FollowedServer
 
@@ -30,3 +32,19 @@ def test_a_server_that_sleeps_is_asked_again_as_soon_as_its_telemetry_goes_on(mo
     server.telemetry = {"stamp": 1.0}
     desk["asleep"] = False
     assert looks(3) == 3
+
+
+def test_an_answer_that_is_cut_off_is_none():
+    with socket.create_server(("127.0.0.1", 0)) as listening:
+
+        def cut_off() -> None:
+            connection, _ = listening.accept()
+            with connection:
+                connection.recv(4096)
+                connection.sendall(b"HTTP/1.1 200 OK\r\nContent-Length: 100\r\n\r\n{")
+
+        serving = threading.Thread(target=cut_off)
+        serving.start()
+        server = FollowedServer(f"http://127.0.0.1:{listening.getsockname()[1]}/", "token")
+        assert asyncio.run(server.ask("classroom")) is None
+        serving.join()
