@@ -24,7 +24,7 @@ export class RecordingsPanel {
     this.toasts = toasts;
     this.#back.onclick = () => order({ type: "close_recording" });
     this.#file.onchange = () => this.#take([...(this.#file.files ?? [])]);
-    takeFiles([".mcap"], () => t("recordings (.mcap)"), (files) => this.#take(files));
+    takeFiles([".mcap"], () => t("recordings (.mcap)"), (files) => this.#open(files));
   }
 
   /** @param {ReplayMessage | null} replay */

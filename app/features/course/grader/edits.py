@@ -533,7 +533,8 @@ def _more(place: _Place, child: ast.expr) -> Iterator[Edit]:
     )
     for words, code in WRAPPERS:
         cause = CAUSE_OF_WRAPPER.get(words, "slip-missing")
-        if words == "an absolute value" or (not asked and (angle or cause != "S4")):
+        anywhere = words in ("an absolute value", "one over it")
+        if anywhere or (not asked and (angle or cause != "S4")):
             yield place.edit(cause, words, ("wrapped", code), _wrapped(child, code))
     if isinstance(place.parent, ast.If | ast.While):
         opposite = ast.UnaryOp(ast.Not(), child)

@@ -42,6 +42,7 @@ def sampled(
         "turn-plain": wrap_angle(heading + turn),
         "turn-lost": heading,
         "one-rotation": wrap_angle(heading + rot2_hat),
+        "first-rotation-alone": wrap_angle(heading + rot1_hat),
     }
     whole = wrap_angle(heading + rot1_hat + rot2_hat)
     theta = by_mistake(mistakes, thetas, whole)

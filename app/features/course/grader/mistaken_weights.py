@@ -7,6 +7,7 @@ from collections.abc import Callable
 from types import SimpleNamespace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from app.features.course.grader.case import by_mistake
 from robot.geometry import Array
@@ -92,6 +93,14 @@ def distances(x: Array, y: Array, field: SimpleNamespace, mistakes: frozenset[st
         return beyond
     result: Array = field.distances[rows.clip(0, height - 1), columns.clip(0, width - 1)]
     return result
+
+
+def within(x: Array, y: Array, field: SimpleNamespace) -> NDArray[np.bool_]:
+    """Return whether places are on the field's table."""
+    height, width = field.distances.shape
+    columns = np.floor((x - field.origin[0]) / field.cell)
+    rows = np.floor((y - field.origin[1]) / field.cell)
+    return (columns >= 0) & (columns < width) & (rows >= 0) & (rows < height)
 
 
 def weights_of(away: Array, sigma: float, mistakes: frozenset[str]) -> Array:

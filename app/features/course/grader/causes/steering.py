@@ -50,6 +50,11 @@ STEERING = {
         "The direction is that from the point to the robot.",
         "Subtract the robot's place from the point's, not the other way round.",
     ),
+    "points-counted": Cause(
+        "How far it looks ahead depends on how dense the way's points are.",
+        "It aims a fixed number of points ahead.",
+        "Take the first point, from the nearest on, that is farther than `ahead` from the robot.",
+    ),
     "full-speed": Cause(
         "The robot drives off while it looks in another direction, and comes back in a wide bow.",
         "The speed does not heed the error.",

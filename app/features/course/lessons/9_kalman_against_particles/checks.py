@@ -70,6 +70,7 @@ def expected(case: Case, mistakes: frozenset[str]) -> Array:
         "rest-squared": (left / before) ** 2,
         "never-surer": before**2,
         "seen-sd": seen_sd**2,
+        "rest-summed": before**2 + seen_sd**2,
     }
     variance = by_mistake(mistakes, variances, left)
     means = {"mean-reversed": 1 - gain, "mean-halved": 0.5, "seen-taken": 1.0, "seen-ignored": 0.0}
@@ -128,7 +129,7 @@ CHECKS = Checks(
         Hypothesis("rest-reversed", "rest"),
         Hypothesis("rest-squared", "rest"),
         Hypothesis("away", "away"),
-        Hypothesis("old-mean", "step-lost"),
+        Hypothesis("old-mean", "old-belief"),
         Hypothesis("seen-unsquared", "deviations-weigh"),
         Hypothesis("deviations-added", "deviations-added"),
         Hypothesis("deviations-weigh", "deviations-weigh"),
@@ -142,6 +143,7 @@ CHECKS = Checks(
         Hypothesis("seen-taken", "gain-fixed"),
         Hypothesis("seen-ignored", "gain-fixed"),
         Hypothesis("seen-sd", "rest"),
+        Hypothesis("rest-summed", "rest"),
         Hypothesis("no-difference", "no-difference"),
         Hypothesis("exchanged", "slip-order"),
     ),
