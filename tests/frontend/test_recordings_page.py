@@ -103,3 +103,42 @@ def test_a_parameter_is_typed_and_shown_with_the_languages_decimal_sign(page, se
     with urlopen(f"{server.url}/api/parameters") as answer:
         values = {row["name"]: row["value"] for row in json.load(answer)}
     assert values["z_rand"] == 0.25
+
+
+DROPPED = """([name, bytes]) => {
+  const files = new DataTransfer();
+  files.items.add(new File([Uint8Array.from(bytes)], name));
+  window.dispatchEvent(new DragEvent("drop", { dataTransfer: files, cancelable: true }));
+}"""
+
+
+def test_a_dropped_recording_is_opened_after_a_question_if_the_robot_drives(page, server):
+    name = names(server)[0]
+    with urlopen(f"{server.url}/api/recordings/{name}") as answer:
+        content = list(answer.read())
+    asked: list[str] = []
+    answers = iter([False, True])
+
+    def answer_it(dialog) -> None:
+        asked.append(dialog.message)
+        dialog.accept() if next(answers) else dialog.dismiss()
+
+    page.on("dialog", answer_it)
+    page.locator("#figure-eight").click()
+    page.wait_for_function("window.brickpose.telemetry.mode === 'figure_eight'")
+    page.evaluate(DROPPED, ["dropped-1.mcap", content])
+    expect(page.locator("#recordings-items")).to_contain_text("1,")
+    page.wait_for_function("document.querySelectorAll('#recordings-items li').length === 2")
+    expect(page.locator("#replay")).to_be_hidden()
+    assert "dropped-1" in asked[0]
+    page.evaluate(DROPPED, ["dropped-2.mcap", content])
+    expect(page.locator("#replay")).to_be_visible()
+    assert len(asked) == 2
+    page.locator("#replay-end").click()
+    expect(page.locator("#replay")).to_be_hidden()
+    page.locator("#stop").click()
+    page.evaluate(DROPPED, ["dropped-3.mcap", content])
+    expect(page.locator("#replay")).to_be_visible()
+    assert len(asked) == 2, "nothing is lost: nothing is asked"
+    page.locator("#replay-end").click()
+    expect(page.locator("#replay")).to_be_hidden()

@@ -42,7 +42,7 @@ FUNCTIONS: dict[str, tuple[str, ...]] = {
     "amax": ("sum",), "amin": ("sum",), "mean": ("sum",), "median": ("mean",), "prod": ("sum",),
     "argmax": ("argmin",), "argmin": ("argmax",), "cumprod": ("cumsum",),
     "log": ("exp",), "log10": ("log",), "log2": ("log",), "log1p": ("log",), "exp": ("log",),
-    "round": ("floor",), "rint": ("floor",), "ceil": ("floor",), "floor": ("round",),
+    "round": ("floor", "int"), "rint": ("floor",), "ceil": ("floor",), "floor": ("round",),
     "degrees": ("radians",), "radians": ("degrees",), "rad2deg": ("deg2rad",),
     "deg2rad": ("rad2deg",), "sqrt": ("square",),
     "ones": ("zeros",), "zeros": ("ones",), "random": ("standard_normal",),

@@ -123,6 +123,11 @@ SENSOR = {
         "The log-weights are compared with each other already, or made to sum to one.",
         "Return the sum of the logarithms itself; the loop of lesson 6 does the rest.",
     ),
+    "stops-early": Cause(
+        "One ray without a return, and those after it make no difference.",
+        "The loop ends at the first ray without a return.",
+        "continue goes on with the next ray; break ends the loop.",
+    ),
     "one-guess": Cause(
         "All weights stay equal.",
         "All guesses get the weight of one of them: the first or the last.",

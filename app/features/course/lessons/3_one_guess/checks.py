@@ -342,7 +342,7 @@ CHECKS = Checks(
         Hypothesis("averaged", "sum", JOINTS),
         Hypothesis("plain-mean", "sum", JOINTS),
         Hypothesis("zero-range", "no-return", kind="no-return"),
-        Hypothesis("stops-early", "no-return", kind="no-return"),
+        Hypothesis("stops-early", "stops-early", kind="no-return"),
     ),
     signs=signs,
     show=show,
