@@ -77,9 +77,10 @@ def distances(x: Array, y: Array, field: SimpleNamespace, mistakes: frozenset[st
         start = field.origin[[0, 0]]
     if "origin-y-twice" in mistakes:
         start = field.origin[[1, 1]]
-    shift = 0.5 if "rounded" in mistakes else 0.0
-    columns = np.floor((x - start[0]) / field.cell + shift).astype(int)
-    rows = np.floor((y - start[1]) / field.cell + shift).astype(int)
+    across = 0.5 if mistakes & {"rounded", "rounded-x"} else 0.0
+    along = 0.5 if mistakes & {"rounded", "rounded-y"} else 0.0
+    columns = np.floor((x - start[0]) / field.cell + across).astype(int)
+    rows = np.floor((y - start[1]) / field.cell + along).astype(int)
     if "rows" in mistakes:
         rows, columns = columns, rows
     row_off, column_off = by_mistake(mistakes, OFF, (0, 0))

@@ -160,6 +160,11 @@ MOTION = {
         "alpha1 and alpha2 make the noise of rotations, alpha3 and alpha4 that of the way; alpha1 "
         "and alpha4 go with rotations squared, alpha2 and alpha3 with the way squared.",
     ),
+    "rooted-twice": Cause(
+        "The cloud is far too wide.",
+        "A standard deviation is used where a variance is due: the root is drawn twice.",
+        "normal wants a standard deviation, and a covariance holds variances.",
+    ),
     "noise-form": Cause(
         "The cloud is shifted, or has sharp ends.",
         "The noise is not normally distributed about zero.",

@@ -307,7 +307,7 @@ CHECKS = Checks(
         *(Hypothesis(name, "outliers") for name in ("no-outliers", "only-hits", "outliers-inside")),
         Hypothesis("normal-density", "density"),
         Hypothesis("rows", "rows"),
-        Hypothesis("rounded", "half-cell"),
+        *(Hypothesis(name, "half-cell") for name in ("rounded", "rounded-x", "rounded-y")),
         *(Hypothesis(name, "mean", JOINTS) for name in ("mean", "cubed")),
         Hypothesis("sum", "sum", JOINTS),
         Hypothesis("plain-sum", "sum", JOINTS),
