@@ -320,6 +320,11 @@ FILTER = {
         "The variance is returned as the standard deviation.",
         "A standard deviation is the square root of a variance.",
     ),
+    "seen-sure": Cause(
+        "It believes each look entirely.",
+        "The look counts as exact: its variance is left out of the gain.",
+        "k = variance believed / (variance believed + variance seen).",
+    ),
     "gain-fixed": Cause(
         "A bad look spoils a good belief.",
         "Belief and look always count the same.",

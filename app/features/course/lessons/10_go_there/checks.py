@@ -130,7 +130,7 @@ def _speed(case: Case, error: float, arrived: bool, mistakes: frozenset[str]) ->
         return 0.0
     if "full-speed" in mistakes:
         return speed
-    ahead = math.cos(error)
+    ahead = abs(math.cos(error)) if "cosine-size" in mistakes else math.cos(error)
     return speed * (ahead if "backwards" in mistakes else max(0.0, ahead))
 
 
@@ -138,6 +138,7 @@ def _bearing(case: Case, mistakes: frozenset[str]) -> float:
     pose, path, _, _, ahead, _ = case.arguments
     away = np.hypot(*(path - pose[:2]).T)
     nearest = int(away.argmin())
+    ahead = math.sqrt(ahead) if "ahead-rooted" in mistakes else ahead
     far = nearest + np.flatnonzero(away[nearest:] > ahead)
     target = int(far[0]) if len(far) else len(path) - 1
     if "from-start" in mistakes:
@@ -230,6 +231,8 @@ CHECKS = Checks(
         Hypothesis("from-target", "bearing-back", frozenset(ERRORS)),
         Hypothesis("full-speed", "full-speed"),
         Hypothesis("backwards", "backwards"),
+        Hypothesis("cosine-size", "drives-away"),
+        Hypothesis("ahead-rooted", "ahead-rooted"),
         Hypothesis("drives-on", "drives-on", kind="goal"),
         Hypothesis("degrees", "S4"),
         Hypothesis("degrees-turn", "S4"),

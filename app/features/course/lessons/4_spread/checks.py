@@ -26,6 +26,10 @@ LIKELY = 6.0
 """Standard errors that a correct cloud never differs by, and no seed of the checks comes near."""
 ALIKE = 2e-6
 """Deviations [m or rad] that are none."""
+OPPOSITE = 0.5
+"""Directions so near to the opposite one are those of a way whose noise made it negative [rad].
+
+Half or twice of it names the same cause for each program of ``course/programs``."""
 NOISELESS = np.zeros(4)
 STEPS = (
     ("straight", "A step of 50 mm straight ahead, without noise.", (0.05, 0.0, 0.0)),
@@ -113,7 +117,7 @@ def _spread(poses: Array, case: Case) -> Array:
     middle = np.angle(np.exp(1j * errors[:, 1]).mean())
     middle = abs(middle) if abs(middle) > 0.9 * math.pi else middle
     errors[:, 1] = middle + wrap_angle(errors[:, 1] - middle)
-    turned = np.abs(errors[:, 1] - middle) > math.pi / 2
+    turned = np.abs(errors[:, 1] - middle) > math.pi - OPPOSITE
     errors[turned, 0] = -errors[turned, 0] - 2 * due[0, 0]
     errors[turned, 1] = middle + wrap_angle(errors[turned, 1] + math.pi - middle)
     deviations = np.maximum(errors.std(axis=0), 1e-6)

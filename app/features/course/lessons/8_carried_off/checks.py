@@ -49,6 +49,8 @@ KEEPINGS = {
     "slow-kept": "memory-unstored",
     "fast-kept": "memory-unstored",
     "alike-slow": "memory-shares",
+    "fast-all": "memory-shares",
+    "slow-all": "memory-shares",
     "alike-fast": "memory-shares",
 }
 SHARES = {"never": 0.0, "always": 0.1, "all": 1.0}
@@ -196,6 +198,8 @@ def _kept_wrongly(
         "fast-kept": (due[0], fast),
         "alike-slow": (due[0], fast + SLOW * (fit - fast)),
         "alike-fast": (slow + FAST * (fit - slow), due[1]),
+        "fast-all": (due[0], fit),
+        "slow-all": (fit, due[1]),
     }
     return next((rule for name, rule in rules.items() if name in mistakes), due)
 

@@ -93,6 +93,7 @@ def _gain(sd: float, before: float, seen_sd: float, mistakes: frozenset[str]) ->
         "seen-unsquared": before**2 / (before**2 + seen_sd),
         "gain-reversed": 1 - usual,
         "middle": 0.5,
+        "seen-sure": 1.0,
     }
     return by_mistake(mistakes, gains, usual)
 
@@ -142,6 +143,7 @@ CHECKS = Checks(
         Hypothesis("look-first", "look-first"),
         Hypothesis("seen-taken", "gain-fixed"),
         Hypothesis("seen-ignored", "gain-fixed"),
+        Hypothesis("seen-sure", "seen-sure"),
         Hypothesis("seen-sd", "rest"),
         Hypothesis("rest-summed", "rest"),
         Hypothesis("no-difference", "no-difference"),
