@@ -202,12 +202,12 @@ def _rows_or_columns_lost(outcomes: Sequence[Outcome]) -> str:
     """Return the cause if pixels that lie apart are told as the same point; "" if they are not."""
     middle = next(features(item) for item in outcomes if item.case.kind == "middle")
     for kind, cause in (("column", "rows-lost"), ("row", "columns-lost")):
-        told = [
+        points = [
             features(item)
             for item in outcomes
             if item.case.kind == kind and item.case.arguments[2] is CAMERA
         ]
-        if told and all(np.allclose(each, middle, atol=1e-7) for each in told):
+        if points and all(np.allclose(each, middle, atol=1e-7) for each in points):
             return cause
     return ""
 

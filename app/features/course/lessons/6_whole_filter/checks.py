@@ -65,6 +65,7 @@ RUNS, ROUNDS, COUNT = 20, 8, 150
 """Drives through the small world, each with its own seed."""
 NEAR_M = 0.12
 TIMES = frozenset(["never-resamples", "always-resamples", "the-other-way"])
+_TOLD: WeakKeyDictionary[Outcome, Array] = WeakKeyDictionary()
 STANDS = ("either", "way-alone", "signed", "ahead-alone", "ahead-size", "side-lost")
 
 
@@ -155,9 +156,6 @@ def _drives(words: Words, seed: int) -> Case:
 def _valid(result: Any, count: int) -> tuple[Array, Array]:
     poses, weights = pair_of(result)
     return array_of(poses, (count, 3)), array_of(weights, (count,), finite=False)
-
-
-_TOLD: WeakKeyDictionary[Outcome, Array] = WeakKeyDictionary()
 
 
 def features(outcome: Outcome) -> Array:
