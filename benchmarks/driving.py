@@ -39,13 +39,13 @@ def measure() -> Result:
 
 
 def _measured(running: ServedProgram) -> dict[str, float]:
-    with _meanwhile([_drive(running.address)]):
+    with meanwhile([drive(running.address)]):
         time.sleep(WARM_UP_S)
-        nobody = _share(running)
-        with _meanwhile(_page(running.address)):
-            alone, memory = _share(running), running.memory_mb()
-        with _meanwhile([part for _ in range(PAGES) for part in _page(running.address)]):
-            several = _share(running)
+        nobody = share(running)
+        with meanwhile(page(running.address)):
+            alone, memory = share(running), running.memory_mb()
+        with meanwhile([part for _ in range(PAGES) for part in page(running.address)]):
+            several = share(running)
     return {
         "nobody [%]": nobody,
         "one page [%]": alone,
@@ -54,14 +54,15 @@ def _measured(running: ServedProgram) -> dict[str, float]:
     }
 
 
-def _share(running: ServedProgram) -> float:
+def share(running: ServedProgram) -> float:
+    """Return the program's share of a core [%]."""
     time.sleep(SETTLE_S)
     before, start = running.processor_seconds(), time.perf_counter()
     time.sleep(SECONDS)
     return 100 * (running.processor_seconds() - before) / (time.perf_counter() - start)
 
 
-async def _drive(address: str) -> None:
+async def drive(address: str) -> None:
     """Drive as a program of ROS does that looks at nothing; a socket for pages would look."""
     async with connect(f"ws://{address}/rosbridge", compression=None) as socket:
         kind = "geometry_msgs/msg/TwistStamped"
@@ -71,7 +72,7 @@ async def _drive(address: str) -> None:
             await asyncio.sleep(0.1)
 
 
-def _page(address: str) -> list[Coroutine[None, None, None]]:
+def page(address: str) -> list[Coroutine[None, None, None]]:
     """Receive what a page does that shows the map and the camera."""
     return [_receive(f"ws://{address}/api/{path}") for path in ("live?rate=30", "camera")]
 
@@ -83,7 +84,7 @@ async def _receive(address: str) -> None:
 
 
 @contextmanager
-def _meanwhile(work: list[Coroutine[None, None, None]]) -> Iterator[None]:
+def meanwhile(work: list[Coroutine[None, None, None]]) -> Iterator[None]:
     """Let clients work in a thread of this process until the block ends.
 
     Raises:

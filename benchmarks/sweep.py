@@ -18,7 +18,7 @@ WEIGHTS = (0.1, 0.2)
 
 def measure() -> Result:
     """Measure points per minute, with two cores or more; workers are started before."""
-    rates = {count: _rate(count) for count in (1, 2, 1, 2)}
+    rates = {count: points_a_minute(count) for count in (1, 2, 1, 2)}
     return Result(
         unit="points/min with two workers",
         brickpose=rates[2],
@@ -27,7 +27,8 @@ def measure() -> Result:
     )
 
 
-def _rate(count: int) -> float:
+def points_a_minute(count: int) -> float:
+    """Return how many points of a sweep so many workers do in a minute."""
     crew = LocalWorkers(count)
     try:
         _do(crew, _jobs(range(count), 0.5))

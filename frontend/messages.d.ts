@@ -630,9 +630,9 @@ export interface HypothesisMessage {
 /** How far the estimate can be trusted. */
 export interface IntegrityMessage {
   /**
-   * certain: one place, with a narrow bound; approximate: one place, with a wide bound or none;
-   * ambiguous: several places look alike; searching: no place stands out; lost: the place that was
-   * known does not fit any more.
+   * certain: one place, with a narrow bound; given: as somebody gave it, and not confirmed by
+   * scans yet; approximate: one place, with a wide bound or none; ambiguous: several places look
+   * alike; searching: no place stands out; lost: the place that was known does not fit any more.
    */
   state: State;
   /**
@@ -1559,7 +1559,7 @@ export interface StartMapCommand {
 }
 
 /** How far the estimate can be relied on. */
-export type State = "certain" | "approximate" | "ambiguous" | "searching" | "lost";
+export type State = "certain" | "given" | "approximate" | "ambiguous" | "searching" | "lost";
 
 /** Stop at once, whoever drives. */
 export interface StopCommand {

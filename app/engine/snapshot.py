@@ -16,7 +16,7 @@ from robot.description.spec import RobotSpec
 from robot.fields.occupancy_grid import OccupancyGrid
 from robot.geometry import Array, Pose2, Twist2
 from robot.interface import Frame, Reading
-from robot.localization.estimate import Estimate, Integrity, State
+from robot.localization.estimate import KNOWN, Estimate, Integrity
 from sim.simulated import SimSettings
 
 
@@ -123,7 +123,7 @@ class Snapshot:
     @property
     def knows_place(self) -> bool:
         """Whether the filter holds one place for the robot's."""
-        return self.integrity.state in (State.CERTAIN, State.APPROXIMATE)
+        return self.integrity.state in KNOWN
 
     def failed(self, problems: ProblemState) -> Snapshot:
         """Return this snapshot for a failed engine: the robot stands and does not answer."""

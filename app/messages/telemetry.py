@@ -142,7 +142,8 @@ class IntegrityMessage(Message):
     """How far the estimate can be trusted."""
 
     state: State
-    """certain: one place, with a narrow bound; approximate: one place, with a wide bound or none;
+    """certain: one place, with a narrow bound; given: as somebody gave it, and not confirmed by
+    scans yet; approximate: one place, with a wide bound or none;
     ambiguous: several places look alike; searching: no place stands out; lost: the place that was
     known does not fit any more."""
     radius: float | None

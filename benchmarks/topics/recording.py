@@ -51,17 +51,17 @@ def measure() -> Result:
     config = Config(robot="sim")
     with tempfile.TemporaryDirectory() as folder:
         config = replace(config, recording=replace(config.recording, folder=folder))
-        with _driving(config) as program:
+        with driving_program(config) as program:
             publisher = TopicPublisher(TopicSource.of(program), program.engine.every)
             recorder = Recorder(
                 publisher, config.recording, lambda: contents_of(program), datetime.now
             )
-            _drive(program, WARM_UP_S)
+            drive_for(program, WARM_UP_S)
             without, recording = [], []
             for _ in range(ROUNDS):
                 without.append(_used(program))
                 recorder.start()
-                _drive(program, 1.0)  # the data that is written only once is now written
+                drive_for(program, 1.0)  # the data that is written only once is now written
                 recording.append(_used(program))
                 recorder.close()
             publisher.close()
@@ -78,7 +78,8 @@ def measure() -> Result:
 
 
 @contextmanager
-def _driving(config: Config) -> Iterator[Program]:
+def driving_program(config: Config) -> Iterator[Program]:
+    """Run a program in real time, in a thread of its own, until the block ends."""
     program = build_program(config, RealTime())
     thread = EngineThread(program.engine)
     thread.start()
@@ -88,7 +89,8 @@ def _driving(config: Config) -> Iterator[Program]:
         thread.stop()
 
 
-def _drive(program: Program, seconds: float) -> None:
+def drive_for(program: Program, seconds: float) -> None:
+    """Drive the figure-eight for some time [s]."""
     end = time.monotonic() + seconds
     while time.monotonic() < end:
         program.engine.commands.put(FigureEightCommand(type="figure_eight"))
@@ -97,7 +99,7 @@ def _drive(program: Program, seconds: float) -> None:
 
 def _used(program: Program) -> _Use:
     begin, process, threads = time.monotonic(), time.process_time(), _threads_time()
-    _drive(program, SECONDS)
+    drive_for(program, SECONDS)
     passed = time.monotonic() - begin
     return _Use(
         100 * (time.process_time() - process) / passed,

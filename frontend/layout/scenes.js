@@ -108,7 +108,7 @@ export class Scenes {
     /** @type {ParameterMessage[]} */
     const all = await getJson("api/parameters");
     const changed = all.filter(({ value, default: standard }) => value !== standard);
-    const known = now.integrity.state === "certain" || now.integrity.state === "approximate";
+    const known = ["certain", "given", "approximate"].includes(now.integrity.state);
     return {
       kind: KIND,
       title,

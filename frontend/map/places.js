@@ -36,6 +36,8 @@ export function certainty(telemetry) {
   const { state, radius } = telemetry.integrity;
   const within = radius === null ? "" : bound(radius);
   if (state === "certain") return within ? t("certain, ± {bound}", { bound: within }) : t("certain");
+  if (state === "given")
+    return within ? t("as given, ± {bound}", { bound: within }) : t("as given");
   if (state === "approximate")
     return within ? t("about here, ± {bound}", { bound: within }) : t("about here, no bound");
   if (state === "ambiguous") return undecided(telemetry.particles);

@@ -24,6 +24,8 @@ class State(StrEnum):
 
     CERTAIN = "certain"
     """One place, and the bound is narrow."""
+    GIVEN = "given"
+    """As somebody gave it, with a narrow bound if that is true; no search has confirmed it yet."""
     APPROXIMATE = "approximate"
     """One place with a wide bound, or without one while the place is in doubt."""
     AMBIGUOUS = "ambiguous"
@@ -32,6 +34,10 @@ class State(StrEnum):
     """No place stands out, or its bound is wider than a metre."""
     LOST = "lost"
     """The known place does not fit any more."""
+
+
+KNOWN = (State.CERTAIN, State.GIVEN, State.APPROXIMATE)
+"""States in which the filter holds one place for the robot's."""
 
 
 class Cause(StrEnum):
@@ -90,7 +96,9 @@ class Standing(Enum):
     """State of a filter's search for other places."""
 
     CONFIRMED = auto()
-    """The place was not doubted since the start, or a search of the whole field confirmed it."""
+    """A search of the whole field has confirmed the place, or the filter makes none."""
+    GIVEN = auto()
+    """The place is as somebody gave it, and neither doubted nor confirmed since."""
     UNCONFIRMED = auto()
     """The place was doubted, and no search of the whole field has confirmed it since."""
     LOST = auto()

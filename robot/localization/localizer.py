@@ -190,7 +190,7 @@ class Localizer:
         estimate = replace(estimate, hypotheses=(heaviest, *estimate.hypotheses[1:]))
         self._concluded = estimate.hypotheses
         self.integrity = self._claim()
-        self._was_certain = self.integrity.state is State.CERTAIN
+        self._was_certain = self.integrity.state in (State.CERTAIN, State.GIVEN)
         return estimate
 
     def estimate(self, stamp: float) -> Estimate | None:

@@ -11,7 +11,7 @@ import numpy as np
 
 from robot.errors import BrickPoseError
 from robot.geometry import Array, Pose2, Twist2, wrap_angle
-from robot.localization.estimate import Integrity, State
+from robot.localization.estimate import KNOWN, Integrity, State
 from robot.navigation.controllers import PathController, Tracker, Tracking
 from robot.navigation.curves import ClosedCurve, Lap, lap_of
 from robot.navigation.free_space import FreeSpace
@@ -46,7 +46,6 @@ SLOWEST = 0.25
 DOUBT_S = 1.0
 """It stands still while its place is in doubt for less than this, and then looks around [s]. It
 drives on slowly while the bound is only wide."""
-KNOWN = (State.CERTAIN, State.APPROXIMATE)
 UNSURE = {
     State.AMBIGUOUS: "several places look alike",
     State.SEARCHING: "it does not know where it is",

@@ -73,6 +73,8 @@ CLAIMS = [
     (claimed("certain", 0.0021, [1.0]), "certain, ± 3 mm"),
     (claimed("certain", 0.003, [0.97, 0.03]), "certain, ± 3 mm"),
     (claimed("certain", None, [1.0]), "certain"),
+    (claimed("given", 0.0021, [1.0]), "as given, ± 3 mm"),
+    (claimed("given", None, [1.0]), "as given"),
     (claimed("approximate", 0.0571, [1.0]), "about here, ± 58 mm"),
     (claimed("approximate", 0.211, [1.0]), "about here, ± 220 mm"),
     (claimed("ambiguous", None, [0.25] * 4), "four places look alike"),

@@ -22,7 +22,7 @@ from robot.localization.scan_matching import ScanMatcher
 
 _F1, _F2, _F3 = float64[::1], float64[:, ::1], float64[:, :, ::1]
 _I1, _I2 = int64[::1], int64[:, ::1]
-_STEPS = Named((_F2, _F2, _F1, _F1, _F1, _F1, _F1), StepSums)
+_STEPS = Named((_F2, _F1, _F2, _F1, _F1, _F1, _F1, _F1), StepSums)
 _UNSEEN = Named((uint8[:, ::1], float64, float64, float64), UnseenFloor)
 _TWO, _THREE, _FOUR = UniTuple(float64, 2), UniTuple(float64, 3), UniTuple(float64, 4)
 
@@ -153,6 +153,9 @@ FUNCTIONS: tuple[Compiled, ...] = (
     Compiled("robot.localization.hypotheses.track._around", (_F1, _F2)),
     Compiled("robot.localization.particles.resampling.coarseness", (_F1, _F3, int64, _F1)),
     Compiled("robot.localization.monitoring.step_sums.estimate_errors", (_STEPS,)),
+    Compiled(
+        "robot.localization.monitoring.step_sums.forget_lateness", (_STEPS, float64, float64)
+    ),
     Compiled(
         "sim.floor_kernels.fill_even_strips",
         (

@@ -36,8 +36,8 @@ def give_way(process: WorkerProcess) -> None:
 
 
 def start_of(first: Snapshot) -> Pose2:
-    """Return where a drive begins, by its first tick: as the filter says if that is certain."""
-    known = first.integrity.state is State.CERTAIN and first.pose is not None
+    """Return where a drive begins, by its first tick: as the filter says if it claims a bound."""
+    known = first.integrity.state in (State.CERTAIN, State.GIVEN) and first.pose is not None
     # Else where somebody told that it was, and how its wheels have turned since.
     return first.pose if known and first.pose else first.odometry
 

@@ -13,7 +13,7 @@ from robot.calibration.drift import DriftFinding
 from robot.calibration.tracker import CalibrationTracker, Update
 from robot.geometry import Pose2
 from robot.interface import Reading
-from robot.localization.estimate import Alert, Cause, State
+from robot.localization.estimate import KNOWN, Alert, Cause, State
 
 PATIENCE_S = 0.5
 """A result is used this long after its work began [s], on the robot's clock, so that drives repeat
@@ -24,7 +24,6 @@ CARRIED, CARRIED_TURN = 0.05, 0.5
 """Standard deviation of what odometry adds since then, as a share of it, and of its turn by its way
 [rad/m]."""
 SOURCE = "driving, as it was tracked"
-KNOWN = (State.CERTAIN, State.APPROXIMATE)
 
 
 class CalibrationTracking:
@@ -72,7 +71,7 @@ def _commands(update: Update, odom_from_robot: Pose2, controls: Controls) -> tup
     moved = update.odom_from_robot.inverse() @ odom_from_robot
     pose = update.pose @ moved
     belief = controls.follower.belief
-    known = controls.follower.integrity_at(odom_from_robot).state is State.CERTAIN
+    known = controls.follower.integrity_at(odom_from_robot).state in (State.CERTAIN, State.GIVEN)
     if belief is not None and known and belief.pose(odom_from_robot).distance_to(pose) < NEAR:
         return (calibration,)
     way = math.hypot(moved.x, moved.y)

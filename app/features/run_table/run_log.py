@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, fields
 
 import numpy as np
 
+from app.engine.follower import FilterState
 from app.engine.snapshot import Snapshot
 from app.features.run_table.figures import FAR_M, FAR_RAD, RunSamples
 from app.messages.commands import (
@@ -105,6 +106,9 @@ class RunLog:
         self._updates = 0
         self._stamp = -math.inf
         self._truth: Pose2 | None = None
+        self._held: tuple[object, object] = (None, None)
+        self._named: Parameters = {}
+        """The parameters in the last tick, and by their names."""
 
     @property
     def standard(self) -> Parameters | None:
@@ -162,7 +166,7 @@ class RunLog:
 
     def _begin(self, snapshot: Snapshot) -> None:
         """Begin another run if this tick is of another one."""
-        parameters, replay = parameters_of(snapshot), snapshot.replay
+        parameters, replay = self._parameters_of(snapshot.filter), snapshot.replay
         if self._standard is None:
             self._standard = parameters
         file = replay.file if replay else ""
@@ -179,6 +183,13 @@ class RunLog:
             known = next((run for run in self._runs if run.recorded and run.file == file), None)
             if known is None:
                 self._then = self._new(ListedRun(0, file, self._place, {}, recorded=True))
+
+    def _parameters_of(self, state: FilterState) -> Parameters:
+        """Return the parameters by their names; most ticks hold those of the tick before."""
+        held = state.parameters, state.models
+        if any(now is not then for now, then in zip(held, self._held, strict=True)):
+            self._held, self._named = held, parameters_of(state)
+        return self._named
 
     def _begins_anew(self, snapshot: Snapshot) -> bool:
         """Whether the belief was told, the robot put elsewhere, or a replay went back."""
@@ -201,9 +212,8 @@ class RunLog:
         return run
 
 
-def parameters_of(snapshot: Snapshot) -> Parameters:
-    """Return the filter's parameters in a tick by their names, and the models of features."""
-    state = snapshot.filter
+def parameters_of(state: FilterState) -> Parameters:
+    """Return the filter's parameters by their names, and the models of features."""
     groups = (getattr(state.parameters, group.name) for group in fields(state.parameters))
     values: Parameters = {
         name: getattr(group, name) for group in groups for name in describe(group)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from robot.localization.estimate import ONLY_PLACE
+from robot.localization.estimate import ONLY_PLACE, Standing
 from robot.localization.hypotheses.local_map import LocalMap
 from robot.localization.hypotheses.track import Track
 from robot.localization.parameters import HypothesisParameters
@@ -17,23 +17,28 @@ class Confirmation:
     likely one.
     """
 
-    def __init__(self, held: bool = True) -> None:
-        """Begin without a doubt; ``held`` says whether the start was given."""
-        self.confirmed = True
-        """Whether the place is confirmed; true from the start until a doubt."""
+    def __init__(self, given: bool = True) -> None:
+        """Begin without a doubt; ``given`` says whether somebody gave the start."""
+        self.standing = Standing.GIVEN if given else Standing.CONFIRMED
+        """Whether the place is confirmed; as given until a doubt, or a search."""
         self._doubted_at = 0
         """Number of kept scans at the last doubt."""
         self._leader: Track | None = None
         self._search_counts = False
         self._put_off = False
-        self._held = held
+        self._held = given
         """Whether the leader was confirmed before the doubt, and has not been lost since."""
         self._replacements = 0
         """How often another place became the leader since the last confirmation."""
 
+    @property
+    def confirmed(self) -> bool:
+        """Whether nothing has put the place in doubt since it was given or confirmed."""
+        return self.standing is not Standing.UNCONFIRMED
+
     def doubt(self, scans: int) -> None:
         """Doubt the place; ``scans`` is the number of kept scans so far."""
-        self.confirmed, self._doubted_at = False, scans
+        self.standing, self._doubted_at = Standing.UNCONFIRMED, scans
         self._search_counts = self._put_off = False
 
     def lose(self, tracks: Sequence[Track]) -> None:
@@ -75,9 +80,12 @@ class Confirmation:
         map, but not over the scans before it, is found again and again.
         """
         if self._search_counts:
-            self.confirmed = not rival or (self._put_off and self._held)
+            if not rival or (self._put_off and self._held):
+                self.standing = Standing.CONFIRMED
             self._put_off = not self.confirmed
             if self.confirmed:
                 self._held, self._replacements = True, 0
             self._doubted_at = scans if self._put_off else self._doubted_at
+        elif self.standing is Standing.GIVEN and not rival:
+            self.standing = Standing.CONFIRMED
         self._search_counts = False

@@ -132,7 +132,7 @@ class MultiHypothesisFilter:
         """Lost while elsewhere is likelier; unconfirmed from a doubt until a search settles it."""
         if self._elsewhere.lost:
             return Standing.LOST
-        return Standing.CONFIRMED if self._confirmation.confirmed else Standing.UNCONFIRMED
+        return self._confirmation.standing
 
     @property
     def extra_sd(self) -> float:
@@ -305,7 +305,8 @@ class MultiHypothesisFilter:
                 self._follow(place.pose, place.covariance, place.log_weight)
         # A new place that is not hopeless may be the first of several.
         more = len(self._tracks) > before
-        self._searches.end(has_places=bool(places), more=more)
+        unconfirmed = self._confirmation.standing is Standing.GIVEN
+        self._searches.end(has_places=bool(places), more=more or unconfirmed)
         if places:
             self._select()
         if whole and more:  # A better fit than a bad one is not certain yet.

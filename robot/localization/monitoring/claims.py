@@ -52,10 +52,11 @@ def claim(hypotheses: tuple[Hypothesis, ...], standing: Standing, doubt: Doubt) 
     radius, heading = bounds(hypotheses[0].covariance + doubt.unknown)
     if radius > MAX_RADIUS:
         return Integrity(State.SEARCHING, alerts=doubt.alerts)
-    if not doubt.fits or standing is not Standing.CONFIRMED:
+    if not doubt.fits or standing is Standing.UNCONFIRMED:
         # The robot may be at another place, so no bound holds.
         return Integrity(State.APPROXIMATE, alerts=doubt.alerts)
-    return Integrity(_one_place(radius, heading), radius, heading, doubt.alerts)
+    claimed = State.GIVEN if standing is Standing.GIVEN else State.CERTAIN
+    return Integrity(_one_place(claimed, radius, heading), radius, heading, doubt.alerts)
 
 
 def propagate_claim(claimed: Integrity, moved: Pose2) -> Integrity:
@@ -67,12 +68,14 @@ def propagate_claim(claimed: Integrity, moved: Pose2) -> Integrity:
     heading = min(claimed.heading_bound + turned, math.pi)
     aside = way * math.sin(min(heading, math.pi / 2))
     radius = claimed.radius + aside + PLACE_QUANTILE * WAY * way
-    return replace(claimed, state=_one_place(radius, heading), radius=radius, heading_bound=heading)
+    state = _one_place(claimed.state, radius, heading)
+    return replace(claimed, state=state, radius=radius, heading_bound=heading)
 
 
-def _one_place(radius: float, heading: float) -> State:
+def _one_place(narrowly: State, radius: float, heading: float) -> State:
+    """Return the state of a narrow bound, as long as the bound is narrow."""
     narrow = radius <= NARROW and heading <= NARROW_HEADING
-    return State.CERTAIN if narrow else State.APPROXIMATE
+    return narrowly if narrow else State.APPROXIMATE
 
 
 def bounds(covariance: Array) -> tuple[float, float]:

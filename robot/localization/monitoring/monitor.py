@@ -22,7 +22,7 @@ from robot.localization.monitoring.fit_check import FitCheck
 from robot.localization.monitoring.mounting_check import HELD, LASER, CameraPosition, MountingCheck
 from robot.localization.monitoring.odometry_check import OdometryCheck, OdometryErrors
 from robot.localization.monitoring.scan_residuals import GATE, residual_sums
-from robot.localization.monitoring.slip_check import SlipCheck
+from robot.localization.monitoring.slip_check import SLIPS, SPREADS, SlipCheck
 from robot.localization.monitoring.steady_errors import SteadyErrors, pose_errors
 from robot.localization.ray_evidence import RayEvidence
 from robot.localization.scan_matching import SLOPE, ScanMatcher
@@ -48,11 +48,9 @@ found again after 1.3 s instead of 1.1; twice: nothing changes of robots that be
 one that knew its place is certain of another for 1.3 s (``--few``; *stub*, seed 9001). Half of
 JOLT_TURN: contradicted on a stretched floor only; twice: one that was carried to a place that looks
 the same is certain there for 1.3 s (*town*, seed 308)."""
-SLIPS, TURN_SLIPS, SPREADS = 0.5, 0.2, 1.5
-"""What slipping wheels explain, as a share of the step, and of its turn as long as wheels hardly
-slipped before; and how many standard deviations. Half of SLIPS and SPREADS: found again after 1.3 s
-instead of 1.1; twice: as JOLT (``--few``). Half of TURN_SLIPS: nothing changes; twice: while
-pictures come 90 ms late all at once, 26 % are certain and wrong."""
+TURN_SLIPS = 0.2
+"""Share of a turn that slipping wheels explain, as long as wheels hardly slipped before. Half:
+nothing changes; twice: while pictures come 90 ms late all at once, 26 % are certain and wrong."""
 LOOSEST = 4.0
 """Largest factor on odometry's standard deviations. Half: 99 % of the errors within 42 instead of
 46 mm, and the rest, as with twice, unchanged beyond chance."""

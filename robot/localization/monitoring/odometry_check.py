@@ -18,9 +18,16 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from robot.covariance import inverse
 from robot.geometry import Array, Pose2, Twist2, turned_covariance
+from robot.localization.monitoring.slip_check import LEAST, LEVER
 from robot.localization.monitoring.steady_errors import SteadyErrors
-from robot.localization.monitoring.step_sums import StepSums, add_step, estimate_errors
+from robot.localization.monitoring.step_sums import (
+    StepSums,
+    add_step,
+    estimate_errors,
+    forget_lateness,
+)
 
 LAG, LONGEST = 0.33, 1.2
 """Time over which steps are compared, and the longest such time when pictures are rare [s]. Half of
@@ -31,6 +38,7 @@ LATE_STEP = 0.04
 """Standard deviation of how much later pictures may come all at once [s]. If they come 90 ms later
 for a while (*stub*, *square* and *tee*, seeds 710 and 711), 0.8 % are certain and wrong, for 0.1 s;
 with three quarters of it 2.4 %, for 0.4 s; without it 10.5 %, for 4.1 s."""
+LATE_JOLT, LATE_SDS, SLIDING, BLURRED, AGREEING = 0.003, 2.0, 0.1, 2.0, 1.5
 SETTLING = 1.5
 """Until the robot has driven for this long after a place was given or found, steps ahead and aside
 do not contradict odometry [s]. Time at rest does not count, as the filter then takes no scans.
@@ -81,6 +89,16 @@ class _Step:
     """(3, 3) of the pose along the robot's axes."""
     twist: Twist2
 
+    @property
+    def motion(self) -> Array:
+        """(3,) how the pose changes in a second [m, m, rad]."""
+        return np.array([self.twist.v, 0.0, self.twist.omega])
+
+    @property
+    def tells(self) -> float:
+        """Information of the pose on when its picture was taken [1/s²]."""
+        return float(self.motion @ inverse(self.covariance + LEAST * np.eye(3)) @ self.motion)
+
 
 class OdometryCheck:
     """Compares each pose with the pose a third of a second earlier."""
@@ -88,8 +106,11 @@ class OdometryCheck:
     def __init__(self, errors: SteadyErrors = USUAL) -> None:
         """Begin with how large the errors may be."""
         self._steps: deque[_Step] = deque()
-        empty = (np.zeros(size) for size in ((7, 7), 7, 3, 3, 3, 2))
+        empty = (np.zeros(size) for size in (7, (7, 7), 7, 3, 3, 3, 2))
         self._sums = StepSums(np.diag(errors.odometry**-2), *empty)
+        self._known: _Step | None = None
+        """The last pose that was known well: steps from it show what came while nothing was seen.
+        """
         self._last: tuple[float, Pose2] | None = None
         """Stamp and odometry of the last pose; where odometry is, no jump of the pose changes."""
         self._followed = 0.0
@@ -111,19 +132,15 @@ class OdometryCheck:
     def restart(self) -> None:
         """Restart at a given or found place: its pose is corrected at first, and steps jump."""
         self.jump()
-        self._last, self._followed = None, 0.0
+        self._last, self._known, self._followed = None, None, 0.0
 
     def doubt_lateness(self) -> None:
         """Let pictures be as late as ``LATE_STEP`` says, whatever earlier steps told.
 
         Pictures that come later all at once look like a robot that was carried.
         """
-        added = LATE_STEP**2 - self.errors.covariance[0, 0]
-        if added > 0:
-            before = self._sums.information + self._sums.prior
-            lost = np.outer(before[0], before[0]) / (1 / added + before[0, 0])
-            self._sums.information[:] -= lost
-            self._sums.pull[:] -= lost @ self.errors.values
+        if self.errors.sd("late") < LATE_STEP:
+            forget_lateness(self._sums, self.errors.value("late"), LATE_STEP)
             self.errors = self._estimated(estimate_errors(self._sums))
 
     def observe(self, stamp: float, pose: Pose2, odometry: Pose2, covariance: Array) -> None:
@@ -140,9 +157,31 @@ class OdometryCheck:
         before = self._before(stamp)
         if before is not None:
             self._compare(before, current, elapsed)
+        known = self._known
+        if known is not None and self._may_be_late(known, current):
+            self.doubt_lateness()
+        if (
+            known is None
+            or stamp - known.stamp > LONGEST
+            or BLURRED**2 * current.tells > known.tells
+        ):
+            self._known = current
         self._steps.append(current)
         while self._steps and stamp - self._steps[0].stamp > LONGEST:
             self._steps.popleft()
+
+    def _may_be_late(self, before: _Step, after: _Step) -> bool:
+        """Return whether pictures that come later or earlier all at once would explain a step."""
+        if self.errors.rest.max() > AGREEING:
+            return False  # wheels that slip already may do so more, or less
+        moved = before.odometry.inverse() @ after.odometry
+        offset = (moved.inverse() @ before.pose.inverse() @ after.pose).to_array()
+        slid = np.diag((SLIDING * moved.to_array()) ** 2 + LEAST)
+        weighed = after.motion @ inverse(before.covariance + after.covariance + slid)
+        information, pull = float(weighed @ after.motion), float(weighed @ offset)
+        speed = math.hypot(after.twist.v, LEVER * after.twist.omega)
+        surely = abs(pull) > LATE_SDS * math.sqrt(information)
+        return surely and abs(pull) * speed > LATE_JOLT * information
 
     def _before(self, stamp: float) -> _Step | None:
         before = None

@@ -20,6 +20,11 @@ from robot.covariance import inverse, outer
 from robot.geometry import Array, Pose2
 from robot.localization.monitoring.step_sums import RECENT
 
+SLIPS, SPREADS = 0.5, 1.5
+"""What slipping wheels explain of a step between two pictures, as a share of it; and how many
+standard deviations of poses explain. Half of both: a carried robot is found again after 1.3 s
+instead of 1.1; twice: one that knew its place is certain of another for 1.3 s (``python -m
+benchmarks.constants --few``; *stub*, seed 9001)."""
 SLIDE = 0.25
 """Share of a way and of a turn by which slip may mislead, 1 sd. Half and twice: no claim changes.
 """

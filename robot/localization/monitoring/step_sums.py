@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from robot.compiling import compiled
-from robot.covariance import inverse
+from robot.covariance import inverse, outer
 from robot.geometry import Array
 from robot.localization.monitoring.steady_errors import MEMORY
 from robot.localization.scan_matching import TAIL
@@ -33,6 +33,8 @@ class StepSums(NamedTuple):
 
     prior: Array
     """(7, 7) information on the errors before any step."""
+    prior_pull: Array
+    """(7,) that information times the errors before any step."""
     information: Array
     """(7, 7) information on the errors by the steps."""
     pull: Array
@@ -125,6 +127,17 @@ def add_step(
 
 
 @compiled()
+def forget_lateness(sums: StepSums, value: float, sd: float) -> None:
+    """Take lateness as known to a standard deviation only, whatever steps told [s]."""
+    told = sums.information[0, 0]
+    if told > 0:
+        by_others = np.ascontiguousarray(sums.information[0])
+        sums.pull[:] -= by_others * (sums.pull[0] / told)
+        sums.information[:] -= outer(by_others, by_others) / told
+    sums.prior[0, 0], sums.prior_pull[0] = 1 / sd**2, value / sd**2
+
+
+@compiled()
 def _add(sums: StepSums, columns: Array, offset: Array, weights: Array) -> None:
     """Add the information of a step (3,) on the errors, by its columns (3, 7)."""
     weighed = np.ascontiguousarray(columns.T * weights)
@@ -138,7 +151,7 @@ def estimate_errors(sums: StepSums) -> tuple[Array, Array, Array]:
     covariance = inverse(sums.information + sums.prior)
     # The sums begin as if one usual step came before all others.
     rest = np.sqrt((sums.squares + 1) / (sums.counts[1] + 1))
-    return covariance @ sums.pull, covariance, rest
+    return covariance @ (sums.pull + sums.prior_pull), covariance, rest
 
 
 @compiled()

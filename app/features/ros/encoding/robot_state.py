@@ -25,6 +25,7 @@ OK, WARN, ERROR = 0, 1, 2
 """Levels of diagnostic_msgs/DiagnosticStatus."""
 LEVELS = {
     State.CERTAIN: OK,
+    State.GIVEN: OK,
     State.APPROXIMATE: OK,
     State.AMBIGUOUS: WARN,
     State.SEARCHING: WARN,

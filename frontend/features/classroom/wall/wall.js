@@ -7,7 +7,7 @@ const EVERY_MS = 1000;
 const RADIUS = 0.06;
 /** What robots claim of where they are. @type {Record<string, string>} */
 const STATES = {
-  certain: t("certain"), approximate: t("about here"), ambiguous: t("several places look alike"),
+  certain: t("certain"), given: t("as given"), approximate: t("about here"), ambiguous: t("several places look alike"),
   searching: t("searching"), lost: t("lost"), given: t("as it was told"),
 };
 

@@ -7,7 +7,7 @@ import pytest
 from stub_drive import DEFAULTS, ENTRIES, SENSOR, STUB, Drive
 
 from robot.geometry import Pose2
-from robot.localization.estimate import ONLY_PLACE
+from robot.localization.estimate import ONLY_PLACE, Standing
 from robot.localization.filter import Setup
 from robot.localization.hypotheses.candidate_weights import EQUAL, FoundPlace, has_rival
 from robot.localization.hypotheses.confirmation import Confirmation
@@ -43,6 +43,22 @@ def place(pose: Pose2, log_evidence: float) -> FoundPlace:
 def test_a_place_that_was_never_doubted_needs_no_search() -> None:
     one = Confirmation()
     assert one.confirmed and not one.is_due(100, filled(LocalMap.of(P), 6))
+
+
+@pytest.mark.parametrize("rival", [True, False])
+def test_a_given_place_is_as_given_until_a_search_finds_no_rival(rival: bool) -> None:
+    one, local = Confirmation(), filled(LocalMap.of(P), 3)
+    assert one.standing is Standing.GIVEN
+    one.begin(3, local)
+    one.end(3, rival=rival)
+    assert one.standing is (Standing.GIVEN if rival else Standing.CONFIRMED)
+
+
+def test_a_given_place_that_is_doubted_is_as_any_other() -> None:
+    one = Confirmation()
+    one.doubt(3)
+    one.end(3, rival=False)
+    assert one.standing is Standing.UNCONFIRMED
 
 
 def test_a_place_that_replaced_another_needs_a_further_short_map_for_each_time() -> None:
@@ -115,7 +131,7 @@ def test_a_rival_puts_it_off_by_a_short_map_and_once() -> None:
 
 @pytest.mark.parametrize("change", ["lost", "another leads", "nothing was told"])
 def test_a_rival_puts_off_a_new_place_until_it_is_told_apart(change: str) -> None:
-    one, local = Confirmation(held=change != "nothing was told"), filled(LocalMap.of(P), 10)
+    one, local = Confirmation(given=change != "nothing was told"), filled(LocalMap.of(P), 10)
     one.follow(track_at(Pose2()), 1.0, P)
     one.doubt(0)
     if change == "lost":

@@ -34,6 +34,7 @@ def places(*weights: float) -> tuple[Hypothesis, ...]:
     ("weights", "standing", "wanted"),
     [
         ((0.999,), Standing.CONFIRMED, State.CERTAIN),
+        ((0.999,), Standing.GIVEN, State.GIVEN),
         ((0.999,), Standing.UNCONFIRMED, State.APPROXIMATE),
         ((0.999,), Standing.LOST, State.LOST),
         ((0.6, 0.39), Standing.CONFIRMED, State.AMBIGUOUS),
@@ -49,7 +50,7 @@ def test_the_state_is_told_by_weights_and_standing(
     found = claim(places(*weights), standing, NO_DOUBT)
     assert found.state is wanted
     # Unconfirmed, it may be another place.
-    told = standing is Standing.CONFIRMED and wanted in (State.CERTAIN, State.APPROXIMATE)
+    told = wanted in (State.CERTAIN, State.GIVEN)
     assert math.isfinite(found.radius) == told
 
 

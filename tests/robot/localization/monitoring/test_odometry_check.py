@@ -15,6 +15,7 @@ from robot.geometry import Array, Pose2, Twist2
 from robot.localization.monitoring.monitor import Monitor
 from robot.localization.monitoring.odometry_check import (
     ERRORS,
+    LATE_STEP,
     OdometryCheck,
     OdometryErrors,
 )
@@ -196,6 +197,52 @@ def test_what_happens_in_a_long_gap_is_no_error_of_the_wheels() -> None:
             check.observe(stamp, pushed @ pose, odometry, COVARIANCE)
     assert (check.errors.rest < 1.3).all()
     assert abs(check.errors.value("turn")) < 0.02
+
+
+def steady(late_at: float, blind: float, seconds: float = 14.0) -> Iterator[tuple[float, float]]:
+    """Stamps, and the sd of lateness, of a robot that drives steadily.
+
+    From ``late_at`` on its pictures come 90 ms late; for ``blind`` seconds it sees nothing then.
+    """
+    check, twist = OdometryCheck(), Twist2(0.15, -0.5)
+    rng = np.random.default_rng(5)
+    for tick in range(round(seconds / PERIOD)):
+        stamp = tick * PERIOD
+        seen = COVARIANCE * (400 if late_at <= stamp < late_at + blind else 1)
+        noise = Pose2.from_array(np.sqrt(np.diag(seen)) * rng.standard_normal(3))
+        then = stamp - (0.09 if stamp >= late_at else 0.0)
+        check.observe(stamp, twist.integrate(then) @ noise, twist.integrate(stamp), seen)
+        yield stamp, check.errors.sd("late")
+
+
+@pytest.mark.parametrize("blind", [0.0, 0.4])
+def test_pictures_that_may_come_late_since_a_step_are_doubted_for_as_long_as_nothing_tells(
+    blind: float,
+) -> None:
+    """At a steady speed the doubt faded within seconds; unseen, it was not raised at all."""
+    sds = dict(steady(5.0, blind))
+    assert max(sd for stamp, sd in sds.items() if 4 < stamp < 5) < 0.016
+    assert min(sd for stamp, sd in sds.items() if stamp > 5.2 + blind) > 0.9 * LATE_STEP
+
+
+def test_a_speed_that_changes_tells_again_how_late_pictures_are() -> None:
+    check, odometry = OdometryCheck(), Pose2()
+    for stamp, pose, odometry in path(Planted(), 10.0, 0):
+        check.observe(stamp, pose, odometry, COVARIANCE)
+    check.doubt_lateness()
+    assert check.errors.sd("late") == pytest.approx(LATE_STEP)
+    late = path(Planted(late=0.06), 22.0, 1)
+    for stamp, pose, moved in late:
+        check.observe(10 + stamp, pose, odometry @ moved, COVARIANCE)
+    assert check.errors.value("late") == pytest.approx(0.06, abs=0.01)
+
+
+def test_wheels_that_slip_a_little_are_not_late() -> None:
+    for seed in range(3):
+        check = OdometryCheck()
+        for stamp, pose, odometry in path(Planted(late=0.01), 10.0, seed, slip=0.05):
+            check.observe(stamp, pose, odometry, COVARIANCE)
+        assert check.errors.sd("late") < 0.01
 
 
 def test_columns_are_the_changes_of_a_step_by_each_error() -> None:

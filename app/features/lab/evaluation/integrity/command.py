@@ -150,6 +150,7 @@ def _line(group: dict[str, Any]) -> str:
         f"{group['condition']}, {group['start']}: misleading {100 * group['misleading']:.3f} %, "
         f"of the certain ones {100 * (group['misleading_of_certain'] or 0):.3f} %, "
         f"longest {group['misleading_longest_s']:.1f} s; sure {100 * group['sure']:.1f} %, "
+        f"as given {100 * group['given']:.1f} %, "
         f"while right {100 * (group.get('sure_while_right') or 0):.1f} %; "
         f"lost again {group['lost_again_drives']}, "
         f"right to the end {group['right_to_the_end_drives']} of {drives}"

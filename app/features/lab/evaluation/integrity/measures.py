@@ -62,6 +62,7 @@ def measures(claims: Claims) -> Measures:
         "pictures": len(claims.stamps),
         "right": _share(is_right),
         "sure": _share(certain(claims)),
+        "given": _share(_in_state(claims, State.GIVEN)),
         "misleading": _share(wrong_claim),
         "misleading_of_certain": _mean(outside(claims)[certain(claims)]),
         "misleading_longest_s": longest(claims.stamps, wrong_claim),

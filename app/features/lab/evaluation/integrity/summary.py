@@ -144,8 +144,8 @@ def group_summary(rows: Sequence[Row]) -> Row:
         "decided_drives": sum(row.get("decided_s") is not None for row in rows),
     }
     shares = (
-        "right", "sure", "misleading", "sure_wrong", "alarm_while_right", "sure_while_right",
-        "available",
+        "right", "sure", "given", "misleading", "sure_wrong", "alarm_while_right",
+        "sure_while_right", "available",
         "bound_mean_m", "nees_mean", "inside_95", "alert", "unfounded", "right_after_decided",
         "sure_after_decided", "misleading_before_carry", "misleading_first_second",
         "misleading_later",

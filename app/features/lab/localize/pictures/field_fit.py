@@ -73,6 +73,6 @@ class FieldFit:
         share = self.share
         if share < LOST:
             return Integrity(State.LOST, alerts=claimed.alerts)
-        if math.isnan(share) and claimed.state is State.CERTAIN:
+        if math.isnan(share) and claimed.state in (State.CERTAIN, State.GIVEN):
             return replace(claimed, state=State.APPROXIMATE)
         return claimed

@@ -124,15 +124,26 @@ def test_a_turn_that_no_wheels_make_contradicts_odometry(name: str, seed: int) -
     assert not misleading(claims).any()
 
 
-def test_pictures_that_come_late_all_at_once_raise_doubt() -> None:
-    """A pose that was 90 ms old was claimed for 4 s: 26 % of the pictures misled."""
+@pytest.mark.parametrize(
+    ("name", "condition", "seed"),
+    [
+        ("stub", "late-for-a-while", 60),
+        ("town", "late-for-a-while", 12100),
+        ("tee", "late-for-a-while", 12101),
+        ("town", "late-by-turns", 12101),
+    ],
+)
+def test_pictures_that_come_late_all_at_once_raise_doubt(
+    name: str, condition: str, seed: int
+) -> None:
+    """A pose that was 90 ms old was claimed for 4 s, where no tape was in sight as it began for
+    2.2 s, and again and again as the doubt faded: up to 26 % of the pictures misled."""
     require_engine("mujoco")
-    config = apply_any_condition(
-        Config(robot="sim", map="stub", seed=60, sim=SimSettings(engine="mujoco")),
-        "late-for-a-while",
-    )
-    claims = follow_claims(lap_drive(config, 1, mishap_of("late-for-a-while")), config, "known")
-    assert longest(claims.stamps, misleading(claims)) < 0.1
+    config = Config(robot="sim", map=name, seed=seed, sim=SimSettings(engine="mujoco"))
+    drive = lap_drive(apply_any_condition(config, condition), 1, mishap_of(condition))
+    claims = follow_claims(drive, config, "known")
+    assert misleading(claims).mean() < 0.01
+    assert longest(claims.stamps, misleading(claims)) < 0.2
 
 
 def test_a_robot_with_worn_wheels_is_right_to_the_end() -> None:

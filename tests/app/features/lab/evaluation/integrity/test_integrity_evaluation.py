@@ -27,7 +27,7 @@ SMALL = IntegrityExperiment(
     FAST, ("generated-8",), ("default", "noisy"), ("known", "scattered"), 3, 1
 )
 CONTRACT = {
-    *("map", "condition", "start", "seed", "pictures", "right", "sure", "misleading"),
+    *("map", "condition", "start", "seed", "pictures", "right", "sure", "given", "misleading"),
     *("misleading_longest_s", "lost_again", "right_to_the_end", "alarm_while_right"),
     *("time_to_right_s", "ate_rmse_m", "nees_mean", "inside_95"),
 }
