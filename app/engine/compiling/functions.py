@@ -153,9 +153,7 @@ FUNCTIONS: tuple[Compiled, ...] = (
     Compiled("robot.localization.hypotheses.track._around", (_F1, _F2)),
     Compiled("robot.localization.particles.resampling.coarseness", (_F1, _F3, int64, _F1)),
     Compiled("robot.localization.monitoring.step_sums.estimate_errors", (_STEPS,)),
-    Compiled(
-        "robot.localization.monitoring.step_sums.forget_lateness", (_STEPS, float64, float64)
-    ),
+    Compiled("robot.localization.monitoring.step_sums.forget_lateness", (_STEPS, float64, float64)),
     Compiled(
         "sim.floor_kernels.fill_even_strips",
         (

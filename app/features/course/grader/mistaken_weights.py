@@ -101,7 +101,8 @@ def within(x: Array, y: Array, field: SimpleNamespace) -> NDArray[np.bool_]:
     height, width = field.distances.shape
     columns = np.floor((x - field.origin[0]) / field.cell)
     rows = np.floor((y - field.origin[1]) / field.cell)
-    return (columns >= 0) & (columns < width) & (rows >= 0) & (rows < height)
+    result: NDArray[np.bool_] = (columns >= 0) & (columns < width) & (rows >= 0) & (rows < height)
+    return result
 
 
 def weights_of(away: Array, sigma: float, mistakes: frozenset[str]) -> Array:

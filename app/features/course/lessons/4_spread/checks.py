@@ -27,9 +27,7 @@ LIKELY = 6.0
 ALIKE = 2e-6
 """Deviations [m or rad] that are none."""
 OPPOSITE = 0.5
-"""Directions so near to the opposite one are those of a way whose noise made it negative [rad].
-
-Half or twice of it names the same cause for each program of ``course/programs``."""
+"""Directions so near to the opposite one are those of a way whose noise made it negative [rad]."""
 NOISELESS = np.zeros(4)
 STEPS = (
     ("straight", "A step of 50 mm straight ahead, without noise.", (0.05, 0.0, 0.0)),
