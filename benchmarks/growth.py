@@ -1,4 +1,4 @@
-"""Benchmark of how cost grows: with rays, particles, fields, pages, recordings and workers.
+"""Benchmark of the growth of cost: with rays, particles, fields, pages, recordings and workers.
 
 Each case runs in a process of its own, one after the other. What is measured is processor time and
 memory, which other work on the machine changes less than time by the clock.
@@ -162,8 +162,8 @@ def _record(folder: Path) -> list[RecordedMessage]:
         recorder.close()
         publisher.close()
     (path,) = folder.iterdir()
-    found = open_recording(path).messages(None, 0)
-    return [message for message in found if len(message.cdr) < LARGE]
+    everything = open_recording(path).messages()
+    return [message for message in everything if len(message.cdr) < LARGE]
 
 
 def _repeated(messages: list[RecordedMessage], minutes: int, folder: Path) -> Path:
@@ -172,8 +172,8 @@ def _repeated(messages: list[RecordedMessage], minutes: int, folder: Path) -> Pa
     file, period = RecordingFile(folder), last - first + 20_000_000
     for turn in range(math.ceil(minutes * 60e9 / period)):
         for message in messages:
-            at = message.log_time_ns - first + turn * period
-            file.write(message.topic, message.type, Quality(), at, at, message.cdr)
+            stamp = message.log_time_ns - first + turn * period
+            file.write(message.topic, message.type, Quality(), stamp, stamp, message.cdr)
     file.close()
     return folder
 

@@ -249,6 +249,7 @@ async function loadField(news) {
 
 /** Hide what belongs to features that do not take part. @param {string[]} active */
 function showFeatures(active) {
+  document.documentElement.dataset.features = active.join(" ");
   for (const element of document.querySelectorAll("[data-feature]")) {
     element.toggleAttribute("data-absent", !active.includes(element.getAttribute("data-feature") ?? ""));
   }

@@ -125,7 +125,7 @@ export interface CalibrationMessage {
   position: number | null;
   /** Motions that would determine what is not known yet. */
   advice: string[];
-  /** How well the last drive fits; empty without one. */
+  /** How well the last drive, or what the profile was measured by, fits; empty without both. */
   facts: string[];
   /** What is wrong with it, or may be wrong. */
   remarks: string[];
@@ -1392,6 +1392,8 @@ export interface SaveMapCommand {
    * recording ends.
    */
   use?: boolean;
+  /** Whether a map is saved that contradicts itself. */
+  force?: boolean;
 }
 
 /** The newest scan; ``PictureMessage`` has its edges in the picture. */
@@ -1442,6 +1444,8 @@ export interface SetCalibrationCommand {
   made?: string | null;
   /** What it was measured by. */
   source?: string;
+  /** How well it fits (``[fit]`` of a profile); null leaves what was said of the other values. */
+  fit?: Record<string, boolean | number | string[]> | null;
 }
 
 /** Change what is wrong with the simulated robot and its camera, while it drives on. */

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from app.engine.command_row import CommandRow, Repeat, TickContext
 from app.messages.commands import SetCalibrationCommand
 from robot.description.profile import Profile, check_values
@@ -14,7 +16,8 @@ from robot.fields.field import Field
 
 def profile_after(command: SetCalibrationCommand, spec: RobotSpec) -> Profile:
     """Return the profile of a robot after a command that was checked."""
-    return Profile.of(spec).changed(command.values, command.sd, command.made, command.source)
+    profile = Profile.of(spec).changed(command.values, command.sd, command.made, command.source)
+    return profile if command.fit is None else replace(profile, fit=command.fit)
 
 
 def calibration_command(profile: Profile) -> SetCalibrationCommand:
@@ -26,6 +29,7 @@ def calibration_command(profile: Profile) -> SetCalibrationCommand:
         sd=dict(zip(names, profile.sd.tolist(), strict=True)),
         made=profile.made,
         source=profile.source,
+        fit=dict(profile.fit),
     )
 
 

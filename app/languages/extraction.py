@@ -57,7 +57,7 @@ SPEAKING = (
 LESSONS = "app/features/course/lessons"
 """Where each lesson has a folder ``<number>_<name>``; the docstrings of its stub are texts."""
 SILENT = (
-    "app/languages", "app/page/documents", "app/features/recordings/remote_robot.py",
+    "app/languages", "app/features/help", "app/features/recordings/remote_robot.py",
     "robot/calibration/mounting", "robot/hat/settings.py",
     "robot/hat/start/firmware_image.py", "robot/hat/start/reset_line.py",
 )  # fmt: skip

@@ -108,6 +108,8 @@ class SetCalibrationCommand(CommandMessage):
     """When it was measured; null means when the other values were."""
     source: Annotated[str, Field(max_length=200)] = "a command"
     """What it was measured by."""
+    fit: Annotated[dict[str, bool | float | list[str]], Field(max_length=8)] | None = None
+    """How well it fits (``[fit]`` of a profile); null leaves what was said of the other values."""
 
 
 class SetParametersCommand(CommandMessage):

@@ -1,11 +1,11 @@
-"""What the web application has with a robot and before there is one: guard, page and documents."""
+"""What the web application has with a robot and before there is one: guard and page."""
 
 from __future__ import annotations
 
 import gzip
 import mimetypes
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from contextlib import AbstractAsyncContextManager
 from functools import lru_cache
 from pathlib import Path
@@ -19,7 +19,6 @@ from starlette.types import Scope
 from app.engine.plugging import plugged
 from app.messages.answers import AccessMessage
 from app.page.access import SameOriginOnly, own_names
-from app.page.documents.routes import documents_router
 from app.page.language import language_router, page
 from app.page.listening import most_places
 from app.page.panels import PANELS, sections_of
@@ -39,15 +38,13 @@ def new_application(
     config: Config,
     tokens: Tokens | None,
     lifespan: Lifespan | None = None,
-    documents: Sequence[Path] = (),
 ) -> FastAPI:
-    """Make an application with the page and its documents, for those who may see them.
+    """Make an application with the page, for those who may see them.
 
     Args:
         config: says who may reach the program.
         tokens: each request must bring one of them, if there are any.
         lifespan: what runs as long as the application.
-        documents: Markdown files besides our own.
     """
     # FastAPI's own documentation page fetches its scripts from the internet.
     app = FastAPI(title="BrickPose", lifespan=lifespan, docs_url=None, redoc_url=None)
@@ -59,13 +56,13 @@ def new_application(
     # Added last, so it comes first: pages of other sites learn nothing of tokens.
     names, origins = own_names(config.host), config.allowed_origins
     app.add_middleware(SameOriginOnly, names=names, origins=origins, inviting=inviting)
-    _add_page(app, documents)
+    _add_page(app)
     for gate in plugged().features.gates(config):
         app.add_middleware(gate)
     return app
 
 
-def _add_page(app: FastAPI, documents: Sequence[Path]) -> None:
+def _add_page(app: FastAPI) -> None:
     panels = plugged().features.panels
 
     @app.get("/", include_in_schema=False)
@@ -88,7 +85,6 @@ def _add_page(app: FastAPI, documents: Sequence[Path]) -> None:
             folder = _Revalidated(directory=panel.script.parent)
             app.mount(f"/{PANELS}/{feature}/{panel.name}", folder, name=f"panel {panel.name}")
     app.include_router(language_router())
-    app.include_router(documents_router(documents))
 
 
 class _Revalidated(StaticFiles):

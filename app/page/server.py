@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import AsyncIterator, Sequence
 from contextlib import asynccontextmanager
-from pathlib import Path
 
 import anyio
 from fastapi import APIRouter, FastAPI, HTTPException, Request, Response, WebSocket
@@ -32,11 +31,10 @@ def create_app(
     outlets: Outlets,
     tokens: Tokens | None = None,
     routers: Sequence[APIRouter] = (),
-    documents: Sequence[Path] = (),
 ) -> FastAPI:
     """Make the application of a program; the engine's thread runs as long as the application.
 
-    With tokens, each request must bring one of them. Routers and documents are those of features.
+    With tokens, each request must bring one of them. Routers are those of features.
     """
     view = View(program.field, program.robot.spec, program.engine.latest, outlets.view_layers())
 
@@ -52,7 +50,7 @@ def create_app(
             thread.stop()
             view.close()
 
-    app = new_application(program.config, tokens, lifespan, documents)
+    app = new_application(program.config, tokens, lifespan)
     camera = CameraStream(program.engine.latest, thread.stopping, program.engine.audience)
     _add_streams(app, view, camera, program.engine.audience)
     app.include_router(state_router(program, thread, view, outlets))

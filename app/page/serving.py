@@ -53,7 +53,7 @@ class Server:
         self._thread = EngineThread(program.engine, program.loop)
         change_map = None if program.loop else self._change_map
         self._outlets = Outlets(program, change_map, self._go_on)
-        app = create_app(program, self._thread, self._outlets, tokens, routers, features.documents)
+        app = create_app(program, self._thread, self._outlets, tokens, routers)
         self._uvicorn = _StopsTheRobotFirst(settings_of(app, front), self._thread)
 
     def run(self, listening: Listening) -> None:

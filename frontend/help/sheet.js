@@ -93,7 +93,7 @@ function made(beginTour) {
     make("div", { class: "head" }, heading, tour, shut),
     part(t("Keys"), make("div", { class: "keys-of-all" }, ...KEYS.map(keysOf))),
     part(t("What is drawn"), make("ul", { class: "meanings on-floor" }, ...meanings())),
-    part(t("Documents"), make("ul", {}, ...DOCUMENTS.map(link))),
+    ...documents(),
     make("p", { class: "quiet" }, t("Rest the pointer or a finger on a button to read what it does.")),
   );
   shut.onclick = close;
@@ -135,6 +135,12 @@ function meanings() {
 /** @param {Node | string} swatch @param {string} name @param {string} means */
 function meaning(swatch, name, means) {
   return make("li", {}, swatch, make("span", {}, make("b", {}, name), ` ${means}`));
+}
+
+/** Documents are shown by a feature, which may be left out. */
+function documents() {
+  const active = document.documentElement.dataset.features?.split(" ") ?? [];
+  return active.includes("help") ? [part(t("Documents"), make("ul", {}, ...DOCUMENTS.map(link)))] : [];
 }
 
 /** @param {[string, string]} document */

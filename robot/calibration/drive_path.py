@@ -67,8 +67,8 @@ class FieldDrive:
     @cached_property
     def guess(self) -> Guess:
         """What the tape tells of the camera."""
-        if self.field.tape_width is None:
-            return Guess()
+        if self.field.tape_width is None or len({tape.width for tape in self.field.tape}) > 1:
+            return Guess()  # which edge is of which width, nobody knows yet
         twists = WheelMotion.of(self._log, self._spec).twists(np.zeros(COUNT))
         return camera_from_tape(self._seen, twists, self.field.tape_width)
 

@@ -143,16 +143,22 @@ class FitQuality:
 
     @classmethod
     def of_table(cls, table: Mapping[str, Any]) -> FitQuality:
-        """Return it from a table of a file; what is not there is as if nothing were wrong."""
-        overrun = (str(entry).rpartition(" ") for entry in table.get("overrun", ()))
-        residual = float(table.get("residual", -1.0))
-        return cls(
-            math.nan if residual < 0 else residual,
-            bool(table.get("converged", True)),
-            float(table.get("correlation", 0.0)),
-            {name: float(times) for name, _, times in overrun},
-            tuple(map(str, table.get("unobservable", ()))),
-        )
+        """Return it from a table of a file; what is not there is as if nothing were wrong.
+
+        A table that no adjustment wrote says nothing of its result.
+        """
+        try:
+            overrun = [str(entry).rpartition(" ") for entry in table.get("overrun", ())]
+            residual = float(table.get("residual", -1.0))
+            return cls(
+                residual if residual >= 0 else math.nan,
+                bool(table.get("converged", True)),
+                float(table.get("correlation", 0.0)),
+                {name: float(times) for name, _, times in overrun},
+                tuple(map(str, table.get("unobservable", ()))),
+            )
+        except (AttributeError, TypeError, ValueError):
+            return cls(math.nan)
 
 
 def robust_sd(residuals: ArrayLike) -> float:

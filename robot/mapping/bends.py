@@ -77,11 +77,15 @@ def at_corners(line: Array, closed: bool = False, *, rough: bool = False) -> lis
     ]
 
 
-def cut_at_corners(strokes: Strokes) -> Strokes:
-    """Return strokes whose curves are cut at corners; the same object if none has one."""
+def cut_at_corners(strokes: Strokes, *, rough: bool = False) -> Strokes:
+    """Return strokes whose curves are cut at corners; the same object if none has one.
+
+    If the path is rough, so are the strokes: see ``at_corners``.
+    """
     each: list[Stroke] = []
     for stroke in strokes.each:
-        pieces = at_corners(_samples(stroke), stroke.closed) if stroke.curved else []
+        curve = stroke.curved
+        pieces = at_corners(_samples(stroke), stroke.closed, rough=rough) if curve else []
         if len(pieces) > 1 or (pieces and stroke.closed and not _is_whole(pieces[0])):
             fitted = (fit_stroke(piece, spacing=FINE_SPACING) for piece in pieces)
             each += [piece for piece in fitted if piece is not None]

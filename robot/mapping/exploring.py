@@ -239,16 +239,22 @@ def _sweep(bearings: Array, arrival: float) -> tuple[float, float]:
 
 
 def _large(cells: Array, worth: Array, side: float, least: float) -> Array:
-    """Return a place (k, 2) in each coarse cell whose cells (n, 2) of a side [m] are worth it."""
+    """Return places (k, 2) around which cells (n, 2) of a side [m] are worth it, wherever they lie.
+
+    They are counted in squares about each cell: on a fixed grid, a patch on a border would be two
+    halves, neither of which is told.
+    """
     if not len(cells):
         return cells
-    coarse = math.ceil(math.sqrt(least)) * side
-    _, first, coarse_cell = np.unique(
-        np.floor(cells / coarse), axis=0, return_index=True, return_inverse=True
-    )
-    sums = np.bincount(coarse_cell.ravel(), worth)
-    order = np.argsort(-sums, kind="stable")
-    return np.asarray(cells[first[order[sums[order] >= least]]])
+    reach = math.ceil(math.sqrt(least)) * side / 2
+    places: list[Array] = []
+    tree, free = cKDTree(cells), np.ones(len(cells), bool)
+    sums = np.array([worth[near].sum() for near in tree.query_ball_point(cells, reach, p=np.inf)])
+    for cell in np.argsort(-sums, kind="stable"):
+        if sums[cell] >= least and free[cell]:
+            places.append(cells[cell])
+            free[tree.query_ball_point(cells[cell], 2 * reach, p=np.inf)] = False
+    return np.array(places).reshape(-1, 2)
 
 
 @dataclass(frozen=True, eq=False)

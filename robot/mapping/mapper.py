@@ -9,12 +9,19 @@ closes the loop, and the whole path is corrected.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from copy import copy
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
-from robot.calibration.adjustment import DriveEstimate, Solution, Weights, quality_of
+from robot.calibration.adjustment import (
+    CalibrationError,
+    DriveEstimate,
+    Solution,
+    Weights,
+    quality_of,
+)
 from robot.calibration.calibrate import not_learnt
 from robot.calibration.drive_log import DriveLog
 from robot.calibration.sightings import Sightings
@@ -173,12 +180,9 @@ class Mapper:
         if whole is not kept or len(real) < len(self._strokes.traced):
             self._strokes = whole
             self._refined(self._adjust(total, WHOLE[-1:]))
-        solution = self._adjust(total, LAST, START_SD)
-        # The camera is held as described, which nobody has measured.
-        measured = np.where(self._sd == KNOWN_SD * PRIORS, PRIORS, self._sd)
-        quality = quality_of(solution, measured)
-        if self._calibrate:
-            solution, quality = self._by_ruler(solution)
+        solution, quality = self._settled(total)
+        if self._calibrate and quality.contradictions:
+            solution, quality = self._with_more_corners(solution, quality)
         rays = RaysOnFloor.of(log, self._spec, self._state)
         tidy = tidied(without_gaps(self._strokes, rays), rays)
         more = find_lengthwise(tidy.strokes, self._width, rays)
@@ -197,6 +201,38 @@ class Mapper:
             rays,
             quality,
         )
+
+    def _settled(self, total: int) -> tuple[Solution, FitQuality]:
+        """Adjust the whole drive once more, held where it began, and ask how well it fits."""
+        solution = self._adjust(total, LAST, START_SD)
+        if self._calibrate:
+            return self._by_ruler(solution)
+        # The camera is held as described, which nobody has measured.
+        measured = np.where(self._sd == KNOWN_SD * PRIORS, PRIORS, self._sd)
+        return solution, quality_of(solution, measured)
+
+    def _with_more_corners(
+        self, solution: Solution, quality: FitQuality
+    ) -> tuple[Solution, FitQuality]:
+        """Return what bends would have it that are corners, if only so nothing is contradicted.
+
+        A corner that was taken for a bend pulls the scale until it looks like one, so it is looked
+        for as where the path is rough.
+        """
+        total, before = len(self._log.stamps), copy(self)
+        self._strokes = cut_at_corners(self._strokes, rough=True)
+        if self._strokes is before._strokes:
+            return solution, quality
+        try:
+            self._refined(self._adjust(total, WHOLE))
+            other, doubt = self._settled(total)
+        except CalibrationError:
+            doubt = quality
+        if doubt.contradictions:
+            self._strokes, self._state = before._strokes, before._state
+            self._covariance, self._solution = before._covariance, before._solution
+            return solution, quality
+        return other, doubt
 
     def _by_ruler(self, solution: Solution) -> tuple[Solution, FitQuality]:
         """Return a solution as uncertain as its ruler is, and how well it fits.

@@ -140,7 +140,7 @@ def bow(chain: Array, first: int, last: int, curve: Array, middle: int) -> float
         rest += offset * offset
     explained = product * product / total
     # The parabola counts from three standard errors on.
-    if explained < 9 * (rest - explained) / (count - 3):
+    if explained * (count - 3) < 9 * (rest - explained):
         return 0.0
     t = place(chain[middle, 0], chain[middle, 1], curve)
     return float(product / total * (t * t - tilt * t - level))

@@ -42,6 +42,8 @@ def test_the_core_drives_and_is_certain_and_offers_nothing_else(browser: Browser
         ):
             expect(page.locator(absent)).to_have_count(1)
             expect(page.locator(absent)).to_be_hidden()
+        page.locator("#help-open").click()
+        expect(page.locator("#help h3")).to_have_text(["Keys", "What is drawn"])
         expect(page.locator("#toasts")).to_be_empty()
     assert not complaints
     assert not missing

@@ -85,7 +85,7 @@ class CalibrationMessage(Message):
     advice: list[str]
     """Motions that would determine what is not known yet."""
     facts: list[str]
-    """How well the last drive fits; empty without one."""
+    """How well the last drive, or what the profile was measured by, fits; empty without both."""
     remarks: list[str]
     """What is wrong with it, or may be wrong."""
 

@@ -16,6 +16,7 @@ from robot.calibration.programme import LONGEST_S
 from robot.description.profile import Profile
 from robot.description.spec import RobotSpec
 from robot.description.unknowns import ROBOT, UNKNOWNS
+from robot.estimation.fit_quality import FitQuality
 from robot.geometry import Array
 
 INTERVAL = 1.96
@@ -72,14 +73,17 @@ def calibration_message(spec: RobotSpec, calibrator: DriveCalibrator) -> Calibra
     if drive is not None and drive.state != "failed" and drive.calibration is not None:
         result = drive.calibration
         values, sd = result.values, result.sd
+    fit = FitQuality.of_table(profile.fit) if profile.fit else None
+    quality = fit if result is None else result.quality
+    said = result if result is not None else fit
     return CalibrationMessage(
         measured=spec.measured,
         undoable=calibrator.undoable,
         unknowns=_unknowns(values[:ROBOT], sd[:ROBOT]),
         position=None if result is None else _position(result),
         advice=[] if result is None else list(result.advice),
-        facts=[] if result is None else list(result.quality.facts),
-        remarks=[] if result is None else list(result.remarks),
+        facts=[] if quality is None else list(quality.facts),
+        remarks=[] if said is None else list(said.remarks),
     )
 
 

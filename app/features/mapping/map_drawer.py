@@ -24,6 +24,7 @@ from app.features.mapping.exploration import Exploration
 from app.features.mapping.map_files import write_map
 from app.result_files import is_portable
 from robot.errors import BrickPoseError, CommandError, NoMapError
+from robot.estimation.fit_quality import ContradictionError
 from robot.fields.field import FieldError
 from robot.geometry import Pose2
 from robot.localization.estimate import Hypothesis
@@ -241,13 +242,14 @@ class MapDrawer:
             saved=False,
         )
 
-    def save(self, name: str, folder: Path) -> Path:
+    def save(self, name: str, folder: Path, *, force: bool = False) -> Path:
         """Write the map to a folder, under a new name; return the drawing's file.
 
         While it is drawn, the whole drive so far is adjusted first, and drawing continues.
 
         Raises:
-            CommandError: there is no map, or it cannot be written; it stays here.
+            CommandError: there is no map, it contradicts itself (and is not forced), or it cannot
+                be written; it stays here.
         """
         if not NAME.fullmatch(name):
             raise CommandError(
@@ -260,6 +262,10 @@ class MapDrawer:
             raise CommandError(f"there is a map {name} already; choose another name")
         drawing = self.drawing
         drawn = self._so_far() if drawing and drawing.state == "draw" else self._done()
+        try:
+            drawn.quality.require_consistent(force=force)
+        except ContradictionError as error:
+            raise CommandError(str(error)) from error
         with self._lock:
             if path.exists():
                 raise CommandError(f"there is a map {name} already; choose another name")

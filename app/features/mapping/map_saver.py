@@ -34,7 +34,8 @@ class MapSaver:
         """Save the map that was drawn, and switch to it if that is requested.
 
         Raises:
-            CommandError: there is no map, it cannot be saved, or another client drives.
+            CommandError: there is no map, it contradicts itself, it cannot be saved, or another
+                client drives.
         """
         newest, change_map = self._engine.latest.get(), self._changes.change_map
         if command.use and (newest is None or change_map is None):
@@ -44,7 +45,7 @@ class MapSaver:
         if command.use:
             self._changes.require_free(driver)
             self._drawer.require_done()
-        path = self._drawer.save(command.name, self._maps)
+        path = self._drawer.save(command.name, self._maps, force=command.force)
         say(f"The map is {path}")
         if command.use:
             assert newest is not None and change_map is not None  # it was refused else

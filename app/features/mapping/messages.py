@@ -124,6 +124,8 @@ class SaveMapCommand(CommandMessage):
     use: bool = False
     """Whether to go on in the new map at once, if it is finished. The robot stands meanwhile, and a
     recording ends."""
+    force: bool = False
+    """Whether a map is saved that contradicts itself."""
 
 
 class StrokeMessage(Message):

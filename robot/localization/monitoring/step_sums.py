@@ -129,11 +129,11 @@ def add_step(
 @compiled()
 def forget_lateness(sums: StepSums, value: float, sd: float) -> None:
     """Take lateness as known to a standard deviation only, whatever steps told [s]."""
-    told = sums.information[0, 0]
-    if told > 0:
+    information = sums.information[0, 0]
+    if information > 0:
         by_others = np.ascontiguousarray(sums.information[0])
-        sums.pull[:] -= by_others * (sums.pull[0] / told)
-        sums.information[:] -= outer(by_others, by_others) / told
+        sums.pull[:] -= by_others * (sums.pull[0] / information)
+        sums.information[:] -= outer(by_others, by_others) / information
     sums.prior[0, 0], sums.prior_pull[0] = 1 / sd**2, value / sd**2
 
 

@@ -319,10 +319,12 @@ def test_a_calibration_changes_camera_wheels_and_delay() -> None:
     assert controls.driving.kinematics is controls.odometry.drive
     assert controls.spec.picture_delay == pytest.approx(0.04)
     assert not np.allclose(engine.localization.scanner.table.lines(3), rays)
+    fit = {"converged": False, "residual": 0.5, "overrun": ["camera_z +4.2"]}
     engine.commands.put(
-        SetCalibrationCommand(type="set_calibration", values=dict.fromkeys(values, 0.0))
+        SetCalibrationCommand(type="set_calibration", values=dict.fromkeys(values, 0.0), fit=fit)
     )
     engine.step()
+    assert Profile.of(controls.spec).fit == fit
     np.testing.assert_allclose(engine.localization.scanner.table.lines(3), rays)
     assert controls.odometry.drive.radii[left] == pytest.approx(spec.joints[left].radius)
 

@@ -56,6 +56,7 @@ NAMES = [
     "faults",
     "field_editor",
     "grid_filter",
+    "help",
     "interface",
     "kalman_filter",
     "kept_pose",

@@ -57,6 +57,13 @@ def test_a_result_that_contradicts_itself_is_refused_unless_somebody_insists() -
         wrong.require_consistent(force=True)
 
 
+@pytest.mark.parametrize("table", [{"overrun": 5.0}, {"overrun": ["far"]}, {"residual": "half"}])
+def test_a_table_that_no_adjustment_wrote_says_nothing(table: dict[str, object]) -> None:
+    quality = FitQuality.of_table(table)
+    assert math.isnan(quality.residual)
+    assert quality.remarks == ()
+
+
 def test_nothing_seen_contradicts_nothing() -> None:
     empty = FitQuality(robust_sd([]), correlation=correlation_of(np.zeros(0)))
     assert math.isnan(empty.residual)

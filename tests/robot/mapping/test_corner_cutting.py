@@ -88,3 +88,12 @@ def test_a_spline_with_all_its_nodes_shows_its_corner() -> None:
     assert [stroke.curved for stroke in cut.each] == [False, False, True]
     np.testing.assert_array_equal(cut.each[2].nodes, bent.nodes)
     assert cut_at_corners(cut) is cut
+
+
+def test_a_corner_that_looks_wider_is_one_only_where_the_path_is_rough() -> None:
+    """An arc of 85 mm begins 35 mm before its tip."""
+    bend = traced(arcs(0.085, math.radians(45)), 3)[::2]
+    strokes = Strokes.of([Stroke(bend, curved=True)], WIDTH)
+    assert cut_at_corners(strokes) is strokes
+    cut = cut_at_corners(strokes, rough=True)
+    assert [stroke.curved for stroke in cut.each] == [False, False]

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from robot.driving.route import CLOSE, SPEED, TURNING, Route
 from robot.geometry import Pose2
-from robot.mapping.exploring import MOST_LOOKS, OUTSIDE, Explorer
+from robot.mapping.exploring import MOST_LOOKS, OUTSIDE, Explorer, _large
 
 TICK = 0.02
 SQUARE = rectangle(-0.5, -0.5, 0.5, 0.5)
@@ -118,3 +118,12 @@ def test_without_tape_it_gives_up_after_a_look_around() -> None:
     explorer = Explorer()
     assert explorer.next(None, Pose2(), None) is not None
     assert explorer.next(None, Pose2(), None) is None
+
+
+@pytest.mark.parametrize("place", [0.0, 0.025, 0.05, 0.075, 0.1, 0.125])
+def test_a_patch_that_was_not_seen_is_told_wherever_it_lies(place: float) -> None:
+    corner = np.array([place, 0.6 - place])
+    patch = corner + 0.05 * np.stack(np.meshgrid(range(3), range(3)), axis=-1).reshape(-1, 2)
+    (told,) = _large(patch, np.ones(len(patch)), 0.05, 6.0)
+    np.testing.assert_allclose(told, corner + 0.05)
+    assert len(_large(patch[:5], np.ones(5), 0.05, 6.0)) == 0

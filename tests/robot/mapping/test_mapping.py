@@ -12,7 +12,7 @@ import shapely
 from calibrations import SPEC, driven
 from hypothesis import given
 from hypothesis import strategies as st
-from mappings import WIDTH, eight, errors_of, mapped
+from mappings import WIDTH, Tour, eight, errors_of, mapped
 
 from app.command_line import main
 from app.engine.build import load_field
@@ -204,6 +204,17 @@ def test_obtuse_corners_leave_the_scale_of_a_robot_that_nobody_calibrated(
     assert drawn.fits
     assert drawn.quality.overrun == {}
     assert drawn.node_sd.max() < 0.002
+
+
+@pytest.mark.slow
+def test_a_corner_that_was_taken_for_a_bend_is_found_by_what_it_contradicts(tmp_path: Path) -> None:
+    """The map was 2.5 mm off, its ruler overrun by 15 deviations, and no profile was written."""
+    outline = polygon(tmp_path, HEXAGON * 550 / 600)
+    tour = Tour(load_field(outline, MAPS), 2)
+    drawn, poses = mapped(outline, 9103, "hand-built", 300.0, calibrate=True, steer=tour)
+    assert drawn.quality.contradictions == ()
+    assert len(drawn.tidy.corners) == 6
+    assert errors_of(drawn, poses, load_field(outline, MAPS)).mean < 0.001
 
 
 @pytest.mark.slow

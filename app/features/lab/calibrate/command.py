@@ -61,6 +61,8 @@ def calibrate_drive(given: dict[str, Any]) -> int:
         ContradictionError: it contradicts itself; only the report is written.
         SettingError, FieldError, RecordingError, OSError: says what cannot be used.
     """
+    if "stamps" in given:
+        raise SettingError("--stamps has no effect without --odometry")
     until, force = given.pop("until", None), given.pop("force", False)
     seconds = given.pop("seconds", USUAL_S if until is None else LONGEST_S)
     if not SHORTEST_S <= seconds <= MOST_S:

@@ -36,8 +36,21 @@ def add_calibrate(command: CommandParser) -> None:
         nargs="?",
         type=Path,
         default=None,
-        metavar="RECORDING",
-        help="a recorded drive, instead of driving now",
+        metavar="RECORDING|PICTURES",
+        help="a recorded drive, or a folder of pictures, instead of driving now",
+    )
+    drive.add_argument(
+        "--odometry",
+        type=Path,
+        metavar="FILE.tum",
+        help="how the robot moved that took the pictures; --camera is then the file of its camera, "
+        "and --out that of the measured one (default: camera.yaml)",
+    )
+    drive.add_argument(
+        "--stamps",
+        type=Path,
+        metavar="FILE",
+        help="stamps and names of the pictures (default: their names are stamps)",
     )
     add_settings(drive, "robot", "map")
     drive.add_argument(
@@ -100,9 +113,11 @@ def _add_robot(command: argparse.ArgumentParser, about: str) -> None:
 
 def _drive(parsed: argparse.Namespace) -> int:
     from app.features.lab.calibrate.command import calibrate_drive  # noqa: PLC0415
+    from app.features.lab.calibrate.picture_drive import calibrate_pictures  # noqa: PLC0415
 
+    given = _given(parsed)
     with interruptible():
-        return calibrate_drive(_given(parsed))
+        return calibrate_pictures(given) if "odometry" in given else calibrate_drive(given)
 
 
 def _add_printed_board(kinds: Commands) -> None:

@@ -87,6 +87,8 @@ class CarmenLog:
             self.remarks.append(f"{cut}: the scans before it are used")
         if broken:
             self.remarks.append(f"broken lines that were left out: {len(broken)} ({first})")
+        seen, set_back = with_steady_clock(seen)
+        self.remarks += set_back
         starts = [0]
         for index, words in beginnings(seen):
             starts.append(index)
@@ -152,6 +154,42 @@ class _Seen(NamedTuple):
     """Whether a log's head stands before it."""
 
 
+def with_steady_clock(seen: Sequence[_Seen]) -> tuple[list[_Seen], list[str]]:
+    """Return scans as if no clock had been set back while the robot drove on; and where it was."""
+    stamps = np.array([each.stamp for each in seen])
+    steady, words, shift = [], [], 0.0
+    for index, each in enumerate(seen):
+        if index and _is_earlier(stamps, index) and _goes_on(seen, index):
+            steps = np.diff(stamps[max(0, index - LASTING) : index])
+            back = float(stamps[index - 1] - stamps[index])
+            shift += back + (float(np.median(steps)) if len(steps) else 0.0)
+            words.append(
+                f"line {each.line}: the clock was set back by {back:.0f} s while the robot drove "
+                "on: the stamps from there on are taken as later by that"
+            )
+        steady.append(each._replace(stamp=each.stamp + shift))
+    return steady, words
+
+
+def _is_earlier(stamps: Array, index: int) -> bool:
+    """Return whether the stamps from one on are earlier than those before it, which rise."""
+    before, after = stamps[max(0, index - LASTING) : index], stamps[index : index + LASTING]
+    later = max(np.median(after) - np.median(before), after[0] - before[-1])
+    return bool(later < 0 and all((np.diff(each) >= 0).all() for each in (before, after)))
+
+
+def _goes_on(seen: Sequence[_Seen], index: int) -> bool:
+    """Return whether the robot is no farther from where it was than in the scans around.
+
+    Odometry of another drive begins at zero.
+    """
+    poses = [each.pose for each in seen[max(0, index - LASTING) : index + LASTING]]
+    place = min(index, LASTING)
+    steps = [before.distance_to(after) for before, after in pairwise(poses)]
+    step = steps.pop(place - 1)
+    return poses[place] != Pose2() and step <= max(steps, default=0.0)
+
+
 def beginnings(seen: Sequence[_Seen]) -> Iterator[tuple[int, str]]:
     """Yield which scans are the first of another drive, and why: several logs may be in a file."""
     stamps = np.array([each.stamp for each in seen])
@@ -168,7 +206,7 @@ def beginnings(seen: Sequence[_Seen]) -> Iterator[tuple[int, str]]:
             yield index, f"a laser with {this.beams} beams follows one with {before.beams}"
         elif min(time, later) > APART_S:
             yield index, f"it is {time / 86400:.0f} days later"
-        elif max(time, later) < 0 and all((np.diff(each) >= 0).all() for each in around):
+        elif _is_earlier(stamps, index):
             yield index, f"its clock is {-time:.0f} s earlier"
         elif far > FARTHEST_M and not far < LEAST_SPEEDS[0] * time:
             yield index, f"the robot is {far:.1f} m away, where it cannot have driven"

@@ -81,7 +81,7 @@ def test_an_odd_line_costs_itself_alone(tmp_path: Path, odd: str) -> None:
 @pytest.mark.parametrize(
     ("shift", "place", "beams", "words"),
     [
-        (-1e3, 0.0, 180, "its clock is"),
+        (-1e3, 2.0, 180, "its clock is"),
         (1e6, 0.0, 180, "days later"),
         (0.0, 50.0, 180, "cannot have driven"),
         (0.0, 0.0, 90, "a laser with 90 beams"),
@@ -105,6 +105,17 @@ def test_another_drive_in_the_same_log_is_told(
     drives, remarks = read(path)
     assert [len(drive) for drive in drives] == ([16] if words is None else [8, 8])
     assert all(words is not None and "line 9" in said and words in said for said in remarks)
+
+
+def test_a_clock_that_is_set_back_while_the_robot_drives_on_begins_no_drive(tmp_path: Path) -> None:
+    path = tmp_path / "set_back.log"
+    poses = [(1.0 + 0.3 * k, 1000.0 + 0.5 * k - 3600.0 * (k >= 8)) for k in range(16)]
+    path.write_text("".join(f"FLASER 2 2.0 2.0 {x} 0 0 {x} 0 0 {at!r} host 0\n" for x, at in poses))
+    (drive,), remarks = read(path)
+    stamps = [measured.scan.stamp for measured in drive]
+    np.testing.assert_allclose(stamps, 1000.0 + 0.5 * np.arange(16))
+    (words,) = remarks
+    assert words.startswith("line 9: the clock was set back by 3600 s while the robot drove on")
 
 
 def test_a_log_with_cut_stamps_ends_where_another_begins(tmp_path: Path) -> None:

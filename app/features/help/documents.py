@@ -10,22 +10,20 @@ from pathlib import Path
 from fastapi import APIRouter, HTTPException, Request
 from fastapi.responses import FileResponse, HTMLResponse, RedirectResponse
 
-from app.page.documents.markdown import rendered, title_of
+from app.engine.plugging import plugged
+from app.engine.program import Program
+from app.features.help.markdown import rendered, title_of
 from app.page.language import page
 from app.settings.config import DOCS, FRONTEND
 
-FRAME = FRONTEND / "help" / "help.html"
+FRAME = FRONTEND / "features" / "help" / "documents.html"
 FIRST = "page.md"
 """What ``/help/`` shows: how the page is used."""
 
 
-def documents_router(more: Sequence[Path] = ()) -> APIRouter:
-    """Return the routes that serve the documents and their pictures.
-
-    Args:
-        more: documents besides those of ``docs/``; they hide none of these.
-    """
-    router = APIRouter(include_in_schema=False)
+def documents_router(program: Program) -> APIRouter:
+    """Return the routes that serve the documents, those of other features too, and pictures."""
+    router, more = APIRouter(include_in_schema=False), plugged().features.documents
 
     @router.get("/help")
     def without_slash() -> RedirectResponse:

@@ -1,7 +1,7 @@
 // @ts-check
-import { find, findButton } from "../page/elements.js";
-import { offerLanguages } from "../page/language.js";
-import { Appearance } from "../page/theme.js";
+import { find, findButton } from "../../page/elements.js";
+import { offerLanguages } from "../../page/language.js";
+import { Appearance } from "../../page/theme.js";
 
 new Appearance(findButton("theme"), findButton("large-text"));
 offerLanguages(find("language", HTMLSelectElement));

@@ -13,7 +13,7 @@ import httpx
 import pytest
 
 from app.feature_search import find_features
-from app.page.documents.markdown import rendered, title_of
+from app.features.help.markdown import rendered, title_of
 from app.settings.config import DOCS, ROOT
 
 pytestmark = pytest.mark.slow
