@@ -19,6 +19,7 @@ from app.command_parser import CommandParser
 from app.feature import Late, Subcommand
 from app.feature_search import Features, find_features, named
 from app.interruption import Interrupted
+from app.languages.catalogue import spoken
 from app.operating_system import share_freed_memory
 from robot.errors import BrickPoseError
 
@@ -107,5 +108,5 @@ def _complain(error: Exception, code: int) -> int:
     text = str(error) or type(error).__name__
     if isinstance(error, OSError) and error.strerror and error.filename:
         text = f"{error.filename}: {error.strerror}"
-    sys.stderr.write(f"brickpose: {text}\n")
+    sys.stderr.write(f"brickpose: {spoken().translated(text)}\n")
     return code

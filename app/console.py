@@ -5,6 +5,8 @@ from __future__ import annotations
 import io
 import sys
 
+from app.languages.catalogue import spoken
+
 
 def never_fail_to_print() -> None:
     """Print a question mark for what the terminal or file has no sign for, as for a Greek letter.
@@ -17,6 +19,6 @@ def never_fail_to_print() -> None:
 
 
 def say(text: str) -> None:
-    """Write a line to standard output at once."""
-    sys.stdout.write(text + "\n")
+    """Write a line to standard output at once, in the environment's language where it is known."""
+    sys.stdout.write(spoken().translated(text) + "\n")
     sys.stdout.flush()

@@ -163,7 +163,7 @@ function take(news) {
   problems.show(news);
   record.show(news.recording ?? null);
   again.follow(news);
-  recordings.show(news.replay ?? null);
+  recordings.show(news.replay ?? null, news.mode);
   if (replay.show(news.replay ?? null, news.stamp)) showReplay(replay.shown);
   tape.add(news.scan);
   map.show(news);

@@ -57,10 +57,7 @@ SPEAKING = (
 LESSONS = "app/features/course/lessons"
 """Where each lesson has a folder ``<number>_<name>``; the docstrings of its stub are texts."""
 SILENT = (
-    "app/languages", "app/page/access_options.py", "app/page/listening.py",
-    "app/page/run_command.py", "app/page/tokens.py",
-    "app/features/help", "app/features/recordings/options.py", "app/features/recordings/remote.py",
-    "app/features/recordings/remote_robot.py", "app/features/recordings/replay_command.py",
+    "app/languages", "app/features/help", "app/features/recordings/remote_robot.py",
     "robot/calibration/mounting", "robot/hat/settings.py",
     "robot/hat/start/firmware_image.py", "robot/hat/start/reset_line.py",
 )  # fmt: skip

@@ -15,6 +15,7 @@ from typing import Any
 
 from app.console import say
 from app.feature import Guest
+from app.languages.marking import phrase
 from app.page.address import address_of
 from app.page.tokens import Tokens, chosen_tokens
 from robot.settings import SettingError
@@ -192,16 +193,16 @@ def announce(
     if tokens is not None:
         for guest in guests:
             link = f"{address.replace('http', 'ws', 1)}{guest.path}?token={tokens.drive}"
-            say(f"{guest.name} opens {link}")
+            say(phrase(f"{guest.name} opens {link}"))
     if tokens is not None and tokens.required:
         watching = f"{address}{path}?token={tokens.watch}"
         _show_code(watching)
-        say(f"To watch only: {watching}")
+        say(phrase(f"To watch only: {watching}"))
         address = f"{address}{path}?token={tokens.drive}"
         _show_code(address)
     elif path != "/":
         address += path
-    say(f"BrickPose is at {address} (Ctrl-C ends it)")
+    say(phrase(f"BrickPose is at {address} (Ctrl-C ends it)"))
 
 
 def _show_code(link: str) -> None:

@@ -1,9 +1,9 @@
-"""Measures the grader: ``grader_trials.py [bugs pairs correct steering mutants checks times]``.
+"""Measures the grader: ``grader_trials.py [bugs pairs correct steering mutants checks programs]``.
 
 bugs: the 22 mistakes in three writings, 20 seeds. pairs: two of them at once. correct: ten styles.
 steering: mistakes and right controllers of lesson 10, 10 seeds.
 mutants: every operator, sign, index and constant of the solutions changed. checks: which cases
-no mutant fails. times: how long.
+no mutant fails. programs: those in ``course/programs``, as students write them. times: how long.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from course import steering
 from course.correct import CORRECT
 from course.mistakes import WRITINGS, pairs
 from course.solutions import ARRAYS, KALMAN, LOOPS, MATRICES
+from course.student_programs import SETS, programs
 
 from app.features.course.grader.case import Case
 from app.features.course.grading import SEED, grade, grade_often, measure
@@ -201,7 +202,24 @@ def times() -> None:
     print(f"30 students, 8 lessons: {(time.monotonic() - began) / 60:.1f} min on one core")
 
 
+def of_students(name: str) -> list[str]:
+    """What is named otherwise than expected of a set of students' programs."""
+    otherwise = []
+    for program in programs(name):
+        result = grade(program.source, "mine.py", lesson_of(program.lesson))
+        named = [finding.cause for finding in result.findings]
+        if named[:1] != ([program.cause] if program.cause else []):
+            otherwise.append(f"{program.name} ({program.about}): {named}")
+    return otherwise
+
+
 def main(wanted: list[str]) -> int:
+    if "programs" in wanted:
+        for name in (*SETS, "right"):
+            otherwise = of_students(name)
+            print(
+                f"{name}: {len(otherwise)} of {len(list(programs(name)))}", *otherwise, sep="\n  "
+            )
     if "bugs" in wanted:
         share, missed = bugs()
         print(f"right cause first: {100 * share:.1f} % of {len(WRITINGS)} writings x {len(SEEDS)}")

@@ -8,6 +8,7 @@ from tqdm import tqdm
 
 from app.console import say
 from app.engine.compiling.compilation import Compilation
+from app.languages.marking import phrase
 
 
 def compile_with_progress(
@@ -25,7 +26,7 @@ def compile_with_progress(
             "NUMBA_CACHE_DIR names another folder"
         )
     else:
-        say("Compiling, once, about a minute ...")
+        say(phrase("Compiling, once, about a minute ..."))
     with tqdm(total=compilation.total, unit="function", disable=None) as bar:
         return compilation.run(stop, lambda done: bar.update(done - bar.n))
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 
 from app.languages.catalogue import Catalogue, catalogue, languages, spoken
 from robot.settings import SettingError
@@ -19,4 +20,5 @@ def language_asked(parsed: argparse.Namespace) -> Catalogue:
         return spoken()
     if code not in languages():
         raise SettingError(f"there is no language {code}; valid are {', '.join(languages())}")
+    os.environ["LANGUAGE"] = code  # what else the command says is in it, too
     return catalogue(code)

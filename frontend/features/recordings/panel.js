@@ -17,6 +17,7 @@ export class RecordingsPanel {
   #list = find("recordings-items", HTMLElement);
   #file = findInput("recordings-file");
   #back = findButton("replay-end");
+  #drives = false;
 
   /** @param {(command: Command) => Promise<boolean>} order @param {Toasts} toasts */
   constructor(order, toasts) {
@@ -24,11 +25,12 @@ export class RecordingsPanel {
     this.toasts = toasts;
     this.#back.onclick = () => order({ type: "close_recording" });
     this.#file.onchange = () => this.#take([...(this.#file.files ?? [])]);
-    takeFiles([".mcap"], () => t("recordings (.mcap)"), (files) => this.#take(files));
+    takeFiles([".mcap"], () => t("recordings (.mcap)"), (files) => this.#openDropped(files));
   }
 
-  /** @param {ReplayMessage | null} replay */
-  show(replay) {
+  /** @param {ReplayMessage | null} replay @param {string} mode what the robot does */
+  show(replay, mode) {
+    this.#drives = !replay && mode !== "idle";
     this.#back.hidden = !replay?.robot_waits;
   }
 
@@ -48,6 +50,15 @@ export class RecordingsPanel {
     if (await this.order({ type: "open_recording", name })) this.#popover.show(false);
   }
 
+  /** Keep what is dropped; one file alone is opened at once, unless a drive is worth more. @param {File[]} files */
+  async #openDropped(files) {
+    const taken = await this.#take(files);
+    const [name] = taken;
+    if (taken.length !== 1) return;
+    const words = t("Open the recording {name}? The robot stops, and its drive ends.", { name });
+    if (!this.#drives || confirm(words)) await this.open(name);
+  }
+
   /** @param {string} name @param {{name?: string, notes?: string}} change */
   change(name, change) {
     return this.#ask(name, "PATCH", JSON.stringify(change), change.name !== undefined);
@@ -58,27 +69,34 @@ export class RecordingsPanel {
     return this.#ask(name, "DELETE");
   }
 
-  /** Take files into the recordings of this computer. @param {File[]} files */
+  /** Take files into the recordings of this computer; return the names of those that were taken. @param {File[]} files */
   async #take(files) {
-    if (files.length === 0) return;
+    /** @type {string[]} */
+    const taken = [];
+    if (files.length === 0) return taken;
     this.#popover.show(true);
     for (const file of files) {
       const name = file.name.replace(/(_0)?\.mcap$/, "");
-      await this.#ask(name, "PUT", file);
+      if (await this.#ask(name, "PUT", file)) taken.push(name);
     }
     this.#file.value = "";
+    return taken;
   }
 
   /**
    * @param {string} name @param {string} method @param {BodyInit} [body]
    * @param {boolean} [again] whether the list is another then; rows that stay can be typed in
+   * @returns whether it was done
    */
   async #ask(name, method, body, again = true) {
+    let done = true;
     try {
       await send(`api/recordings/${encodeURIComponent(name)}`, method, body);
     } catch (error) {
       this.toasts.fail(error);
+      done = false;
     }
     if (again) await this.#load();
+    return done;
   }
 }

@@ -12,7 +12,7 @@ SLIPS: list[tuple[str, int, list[tuple[str, str]]]] = [
     ("exchanged", 2, [("np.arctan2(y, x), np.hypot(x, y)\n", "np.hypot(x, y), np.arctan2(y, x)\n")]),
     ("horizon-early", 2, [("if fall <= 0:", "if v < camera.v0:")]),
     ("heading-sign", 3, [("poses[:, 2:] + bearings[seen]", "bearings[seen] - poses[:, 2:]")]),
-    ("sigma", 3, [("-away**2 / (2 * sigma**2)", "-away**2 / 2 * sigma**2")]),
+    ("sigma-multiplied", 3, [("-away**2 / (2 * sigma**2)", "-away**2 / 2 * sigma**2")]),
     ("outliers", 3, [("np.log(0.95 * fit + 0.05)", "np.log(0.95 * fit)")]),
     ("second-turn", 4, [("(turn - rot1 + np.pi)", "(turn + np.pi)")]),
     ("variances", 4, [("(rot1**2 + rot2**2)", "(rot1 + rot2)**2")]),

@@ -30,8 +30,8 @@ OPPOSITE: dict[type[ast.AST], tuple[type[ast.AST], ...]] = {
 }
 RANKS = (
     "sine", "S4", "arctan", "half-cell", "slip-comparison", "slip-sign", "slip-brackets",
-    "slip-order", "slip-operator", "slip-function", "slip-number", "slip-too-much", "slip-name",
-    "slip-missing",
+    "slip-loop", "slip-order", "slip-operator", "slip-function", "slip-number", "slip-too-much",
+    "slip-name", "slip-missing",
 )  # fmt: skip
 """Causes in the order in which they are tried; what has a name of its own comes first."""
 SIGNS, COMPARISONS = (ast.Add, ast.Sub), (ast.cmpop, ast.boolop, ast.BitAnd, ast.BitOr)
@@ -42,7 +42,7 @@ FUNCTIONS: dict[str, tuple[str, ...]] = {
     "amax": ("sum",), "amin": ("sum",), "mean": ("sum",), "median": ("mean",), "prod": ("sum",),
     "argmax": ("argmin",), "argmin": ("argmax",), "cumprod": ("cumsum",),
     "log": ("exp",), "log10": ("log",), "log2": ("log",), "log1p": ("log",), "exp": ("log",),
-    "round": ("floor",), "rint": ("floor",), "ceil": ("floor",), "floor": ("round",),
+    "round": ("floor", "int"), "rint": ("floor",), "ceil": ("floor",), "floor": ("round",),
     "degrees": ("radians",), "radians": ("degrees",), "rad2deg": ("deg2rad",),
     "deg2rad": ("rad2deg",), "sqrt": ("square",),
     "ones": ("zeros",), "zeros": ("ones",), "random": ("standard_normal",),
@@ -277,7 +277,8 @@ def _numbers(function: ast.stmt) -> list[float]:
 
 def _operators(parent: ast.AST) -> Iterator[Edit]:
     line = getattr(parent, "lineno", 0)
-    if isinstance(parent, ast.BinOp | ast.BoolOp | ast.AugAssign):
+    counts = isinstance(parent, ast.AugAssign) and isinstance(parent.value, ast.Constant)
+    if isinstance(parent, ast.BinOp | ast.BoolOp | ast.AugAssign) and not counts:
         for new in OPPOSITE.get(type(parent.op), ()):
             yield _operator(parent, "op", None, type(parent.op), new, line)
     if isinstance(parent, ast.Compare):
@@ -343,6 +344,11 @@ def _lines(parent: ast.AST) -> Iterator[Edit]:
             if len(lines) > 1 and not isinstance(item, ast.Return | ast.FunctionDef):
                 left = [*lines[:index], *lines[index + 1 :]]
                 yield _rewritten(parent, part, left, item, "slip-too-much", phrase("one line less"))
+            if isinstance(item, ast.If) and not item.orelse:
+                going = ast.While(item.test, item.body, [], lineno=item.lineno)
+                changed = [*lines[:index], going, *lines[index + 1 :]]
+                words = phrase("while for if")
+                yield _rewritten(parent, part, changed, item, "slip-loop", words)
             if isinstance(item, ast.For | ast.While):
                 yield from _around_loop(parent, part, lines, index, item)
 
@@ -439,6 +445,11 @@ def _constants(
         if value != old:
             kind = ("number", *sorted((old, value)))
             yield place.edit("slip-number", phrase("another number"), kind, ast.Constant(value))
+    if isinstance(place.parent, ast.Assign) and old == 0:
+        for name in names:
+            first = ast.Subscript(ast.Name(name, ast.Load()), ast.Constant(0), ast.Load())
+            kind = ("number", str(old), name)
+            yield place.edit("slip-number", phrase("a value for the number"), kind, first)
     if isinstance(place.parent, ast.BinOp):
         for name in names:
             value_of = ast.Name(name, ast.Load())
@@ -533,7 +544,8 @@ def _more(place: _Place, child: ast.expr) -> Iterator[Edit]:
     )
     for words, code in WRAPPERS:
         cause = CAUSE_OF_WRAPPER.get(words, "slip-missing")
-        if words == "an absolute value" or (not asked and (angle or cause != "S4")):
+        anywhere = words in ("an absolute value", "one over it")
+        if anywhere or (not asked and (angle or cause != "S4")):
             yield place.edit(cause, words, ("wrapped", code), _wrapped(child, code))
     if isinstance(place.parent, ast.If | ast.While):
         opposite = ast.UnaryOp(ast.Not(), child)

@@ -42,6 +42,7 @@ def sampled(
         "turn-plain": wrap_angle(heading + turn),
         "turn-lost": heading,
         "one-rotation": wrap_angle(heading + rot2_hat),
+        "first-rotation-alone": wrap_angle(heading + rot1_hat),
     }
     whole = wrap_angle(heading + rot1_hat + rot2_hat)
     theta = by_mistake(mistakes, thetas, whole)
@@ -51,7 +52,8 @@ def sampled(
         angle = np.radians(angle)
     if "not-turned" in mistakes:
         angle = angle - poses[:, 2]
-    x, y = way_hat * np.cos(angle), way_hat * np.sin(angle)
+    along = {name: angle - poses[:, 2] for name in ("x", "y") if f"not-turned-{name}" in mistakes}
+    x, y = way_hat * np.cos(along.get("x", angle)), way_hat * np.sin(along.get("y", angle))
     if "sine-first" in mistakes:
         x, y = y, x
     if "one-particle" in mistakes:
@@ -134,7 +136,7 @@ def _deviations(step: tuple[float, float, float], alphas: Array, mistakes: froze
     deviations: Array = np.where(
         np.array(plain) | ("variance" in mistakes), variances, np.sqrt(variances)
     )
-    return deviations
+    return np.sqrt(deviations) if "rooted-twice" in mistakes else deviations
 
 
 def _sums(alphas: Array, way: float, turns: tuple[float, float], turned: float) -> Array:

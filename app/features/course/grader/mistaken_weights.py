@@ -7,6 +7,7 @@ from collections.abc import Callable
 from types import SimpleNamespace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from app.features.course.grader.case import by_mistake
 from robot.geometry import Array
@@ -76,9 +77,10 @@ def distances(x: Array, y: Array, field: SimpleNamespace, mistakes: frozenset[st
         start = field.origin[[0, 0]]
     if "origin-y-twice" in mistakes:
         start = field.origin[[1, 1]]
-    shift = 0.5 if "rounded" in mistakes else 0.0
-    columns = np.floor((x - start[0]) / field.cell + shift).astype(int)
-    rows = np.floor((y - start[1]) / field.cell + shift).astype(int)
+    across = 0.5 if mistakes & {"rounded", "rounded-x"} else 0.0
+    along = 0.5 if mistakes & {"rounded", "rounded-y"} else 0.0
+    columns = np.floor((x - start[0]) / field.cell + across).astype(int)
+    rows = np.floor((y - start[1]) / field.cell + along).astype(int)
     if "rows" in mistakes:
         rows, columns = columns, rows
     row_off, column_off = by_mistake(mistakes, OFF, (0, 0))
@@ -91,6 +93,15 @@ def distances(x: Array, y: Array, field: SimpleNamespace, mistakes: frozenset[st
         beyond: Array = field.distances[rows % height, columns % width]
         return beyond
     result: Array = field.distances[rows.clip(0, height - 1), columns.clip(0, width - 1)]
+    return result
+
+
+def within(x: Array, y: Array, field: SimpleNamespace) -> NDArray[np.bool_]:
+    """Return whether places are on the field's table."""
+    height, width = field.distances.shape
+    columns = np.floor((x - field.origin[0]) / field.cell)
+    rows = np.floor((y - field.origin[1]) / field.cell)
+    result: NDArray[np.bool_] = (columns >= 0) & (columns < width) & (rows >= 0) & (rows < height)
     return result
 
 

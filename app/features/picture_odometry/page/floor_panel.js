@@ -40,7 +40,7 @@ export function panel(body) {
   const words = document.createElement("p");
   body.append(picture, words);
   const section = body.closest("section");
-  const phone = matchMedia("(max-width: 640px)");
+  const phone = matchMedia("(max-width: 640px), (max-height: 500px)");
   let last = 0;
   let loading = false;
   picture.onload = picture.onerror = () => {

@@ -70,6 +70,11 @@ FILTER = {
         "The weights make no difference.",
         "Where do the weights come in?",
     ),
+    "copies-fixed": Cause(
+        "Particles that weigh less than 1/n never survive.",
+        "How many copies a particle gets is rounded, and nothing left to chance.",
+        "A particle that is due half a copy gets one in every second draw: chance decides.",
+    ),
     "best-only": Cause(
         "One particle stands for the whole cloud.",
         "Only the heaviest particle is used.",
@@ -175,6 +180,11 @@ FILTER = {
         "The weights do not sum to one.",
         "Divide the weights by their sum.",
     ),
+    "size-unnormalized": Cause(
+        "It resamples at the wrong time.",
+        "The effective sample size is that of weights which do not sum to one yet.",
+        "Divide the weights by their sum first, then work out 1 / sum of squares.",
+    ),
     "exponential": Cause(
         "Weights are negative, or the worse fit counts more.",
         "Log-weights are added to weights, or multiplied with them.",
@@ -249,6 +259,27 @@ FILTER = {
         "The memories are not what they should be after this fit, or are used before.",
         "memory.slow += 0.05 * (fit - memory.slow); the fast one likewise, with 0.5.",
     ),
+    "memory-unstored": Cause(
+        "It reacts to one picture alone, or to nothing.",
+        "The new values of the memories, or of one of them, are not kept.",
+        "memory.slow and memory.fast themselves have to change, each time.",
+    ),
+    "memory-late": Cause(
+        "It notices one picture too late.",
+        "The share is worked out before the memories take the newest fit.",
+        "First update both memories, then compare them.",
+    ),
+    "memory-grows": Cause(
+        "The memories grow and grow.",
+        "A share of the newest fit is added, but none of the old is let go.",
+        "Each memory goes a share of the way from what it was to the newest fit: fit - memory.",
+    ),
+    "memory-shares": Cause(
+        "It forgets too soon, or too late.",
+        "A memory takes another share of the newest fit than is due, as what it should keep.",
+        "The slow memory keeps 0.95 of what it was and takes 0.05 of the newest fit; the fast one "
+        "takes half.",
+    ),
     "rates": Cause(
         "New particles come when all is well.",
         "The two memories are exchanged.",
@@ -289,6 +320,11 @@ FILTER = {
         "The variance is returned as the standard deviation.",
         "A standard deviation is the square root of a variance.",
     ),
+    "seen-sure": Cause(
+        "It believes each look entirely.",
+        "The look counts as exact: its variance is left out of the gain.",
+        "k = variance believed / (variance believed + variance seen).",
+    ),
     "gain-fixed": Cause(
         "A bad look spoils a good belief.",
         "Belief and look always count the same.",
@@ -308,6 +344,11 @@ FILTER = {
         "The belief lags behind the robot.",
         "The step is not added to the mean.",
         "First the step, then the look.",
+    ),
+    "old-belief": Cause(
+        "The belief runs ahead of the robot.",
+        "What is seen is compared with where the robot was before the step.",
+        "Add the step first; k * (seen - mean) is with the mean after it.",
     ),
     "step-sure": Cause(
         "The belief becomes too sure while driving.",

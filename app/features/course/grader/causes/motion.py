@@ -25,9 +25,15 @@ MOTION = {
     ),
     "M4": Cause(
         "The robot wanders off while it turns on the spot.",
-        "A turn on the spot moves x and y.",
+        "The way is not the mean of both wheels: one that rolls back counts as if it rolled ahead, "
+        "or one of them alone counts.",
         "One wheel rolls ahead and the other back: what does the middle between them do? Mind the "
         "signs.",
+    ),
+    "spin-moves": Cause(
+        "The robot wanders off while it turns on the spot.",
+        "A turn on the spot moves x and y.",
+        "The way of a turn on the spot is 0: what do cosine and sine get multiplied with there?",
     ),
     "M5": Cause(
         "The cloud never spreads; soon all particles are one.",
@@ -68,6 +74,23 @@ MOTION = {
         "Backing drives the cloud ahead.",
         "A step backwards has a positive way.",
         "For a step with dx < 0 let the way be negative.",
+    ),
+    "back-twice": Cause(
+        "Backing drives the cloud ahead.",
+        "The way of a step backwards is negative, and its first rotation is half a turn as well: "
+        "both together drive ahead.",
+        "If the way is negative, the rotation is that of (-dx, -dy).",
+    ),
+    "noise-on-place": Cause(
+        "The cloud is a heap, not a banana.",
+        "Noise goes to x and y, where it belongs to the way, or to the side as well.",
+        "Noise belongs to the first rotation, the way and the second rotation; x and y come from "
+        "those.",
+    ),
+    "one-wheel-turns": Cause(
+        "Driving straight ahead turns the robot.",
+        "The turn is that of one wheel alone.",
+        "The robot turns by the difference of both wheels' ways: right minus left.",
     ),
     "way-length": Cause(
         "On arcs the cloud does not come far enough.",
@@ -136,6 +159,11 @@ MOTION = {
         "The alphas stand at the wrong places.",
         "alpha1 and alpha2 make the noise of rotations, alpha3 and alpha4 that of the way; alpha1 "
         "and alpha4 go with rotations squared, alpha2 and alpha3 with the way squared.",
+    ),
+    "rooted-twice": Cause(
+        "The cloud is far too wide.",
+        "A standard deviation is used where a variance is due: the root is drawn twice.",
+        "normal wants a standard deviation, and a covariance holds variances.",
     ),
     "noise-form": Cause(
         "The cloud is shifted, or has sharp ends.",

@@ -52,6 +52,21 @@ SENSOR = {
         "The camera's place on the robot is ignored.",
         "The camera sits camera.forward ahead of the axle, and ranges count from the axle.",
     ),
+    "offset-sign": Cause(
+        "What lies ahead seems twice the camera's place too near.",
+        "The camera's place is taken away, and not added.",
+        "The camera sits ahead of the axle: seen from the axle, is a point nearer or farther?",
+    ),
+    "sigma-multiplied": Cause(
+        "Near and far weigh nearly the same.",
+        "The exponent is multiplied by sigma², and not divided by it.",
+        "-d**2 / 2 * sigma**2 divides by 2 alone. What is to be divided by needs brackets.",
+    ),
+    "beyond-skipped": Cause(
+        "A guess near the border weighs too much, or too little.",
+        "A ray that ends beyond the field is left out, or counts as one that missed.",
+        "Count such an end at the nearest cell: np.clip(row, 0, rows - 1), and columns likewise.",
+    ),
     "no-logarithm": Cause(
         "The weights are all between 0 and 1.",
         "The likelihood is returned, not its logarithm.",
@@ -107,6 +122,21 @@ SENSOR = {
         "The next lesson cannot use the weights: their size is lost.",
         "The log-weights are compared with each other already, or made to sum to one.",
         "Return the sum of the logarithms itself; the loop of lesson 6 does the rest.",
+    ),
+    "stops-early": Cause(
+        "One ray without a return, and those after it make no difference.",
+        "The loop ends at the first ray without a return.",
+        "continue goes on with the next ray; break ends the loop.",
+    ),
+    "one-guess": Cause(
+        "All weights stay equal.",
+        "All guesses get the weight of one of them: the first or the last.",
+        "Each guess has its own x, y and heading: where does your code take those of the others?",
+    ),
+    "accumulated": Cause(
+        "Each guess weighs less than the one before.",
+        "The sum goes on from one guess to the next.",
+        "Begin each guess with a sum of 0.",
     ),
     "one-ray": Cause(
         "All rays but one make no difference.",
@@ -247,6 +277,22 @@ SENSOR = {
         "It is right in the middle of the picture, and less so towards its edges.",
         "Pixels are taken for angles: twice as far is twice the angle.",
         "A pixel's angle has the tangent pixels / focal.",
+    ),
+    "offset-early": Cause(
+        "All ranges are off by a little, the more the higher the camera is.",
+        "The camera's place is added before the ray is made longer.",
+        "First make the ray as long as it falls to the floor, then add how far ahead the camera "
+        "sits.",
+    ),
+    "rows-lost": Cause(
+        "All that lies ahead seems equally far away.",
+        "How far up or down the pixel lies makes no difference.",
+        "A lower pixel shows nearer floor: where does (v - v0) / focal come in?",
+    ),
+    "columns-lost": Cause(
+        "All that is seen seems to lie straight ahead.",
+        "How far to the side the pixel lies makes no difference.",
+        "Where does (u - u0) / focal come in?",
     ),
     "offset-late": Cause(
         "Straight ahead all is right, to the side it is not.",

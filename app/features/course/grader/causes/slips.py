@@ -11,6 +11,11 @@ SLIPS = {
         "round.",
         "Read that line aloud, term by term: which of them has to make the result larger?",
     ),
+    "slip-loop": Cause(
+        "It goes one step where it should go on.",
+        "if asks once; what is to be done as long as it is so needs while.",
+        "How often has that line to be done at most? if does it once.",
+    ),
     "slip-operator": Cause(
         "The result has another size than it should.",
         "An operator is the wrong one, as times for divided.",

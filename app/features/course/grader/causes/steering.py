@@ -50,6 +50,21 @@ STEERING = {
         "The direction is that from the point to the robot.",
         "Subtract the robot's place from the point's, not the other way round.",
     ),
+    "points-counted": Cause(
+        "How far it looks ahead depends on how dense the way's points are.",
+        "It aims a fixed number of points ahead.",
+        "Take the first point, from the nearest on, that is farther than `ahead` from the robot.",
+    ),
+    "drives-away": Cause(
+        "With the point behind it, the robot drives away from it.",
+        "The size of the cosine is taken, and not its sign.",
+        "max(0, cos(error)) lets it turn first.",
+    ),
+    "ahead-rooted": Cause(
+        "The robot looks much too far ahead.",
+        "A squared distance is compared with `ahead` itself.",
+        "Compare a distance with ahead, or its square with ahead**2.",
+    ),
     "full-speed": Cause(
         "The robot drives off while it looks in another direction, and comes back in a wide bow.",
         "The speed does not heed the error.",

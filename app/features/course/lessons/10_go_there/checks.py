@@ -31,7 +31,12 @@ GAINS: dict[str, Rule] = {
     "gain-plain": lambda _delay: GAIN,
     "gain-one": lambda _delay: 1.0,
 }
-TARGETS = ("from-start", "nearest", "last", "before", "next", "from-far")
+FURTHER = (2, 3, 4, 5, 6, 8, 10, 15, 20)
+"""Points beyond the nearest one at which one aims who counts points, not their distance."""
+TARGETS = (
+    *("from-start", "nearest", "last", "before", "next", "from-far"),
+    *(f"further-{points}" for points in FURTHER),
+)
 ERRORS = ("own-heading", "heading-added", "axes", "from-target")
 
 
@@ -49,6 +54,8 @@ def cases(seed: int) -> list[Case]:
         _case("way", "It looks the other way.", (-0.151, 0.021, 2.6), straight, 0.0),
         _case("wrap", "The bow leads along -x.", (0.063, 0.237, 3.0), bow, -3.0),
         _case("wrap", "The bow leads along -x.", (0.113, 0.261, -2.9), bow, -3.0),
+        _case("wrap", "The bow leads along -x.", (0.087, 0.281, 2.9), bow, -3.0),
+        _case("wrap", "The bow leads along -x.", (0.171, 0.113, -3.0), bow, -3.0),
         _case("end", "The goal is near.", (0.243, 0.011, -0.3), straight, 0.5),
         _case("goal", "It is at the goal.", (0.297, 0.003, 0.2), straight, 1.0),
         _case("goal", "It is at the goal.", (0.303, -0.004, 2.9), straight, -2.8),
@@ -123,7 +130,7 @@ def _speed(case: Case, error: float, arrived: bool, mistakes: frozenset[str]) ->
         return 0.0
     if "full-speed" in mistakes:
         return speed
-    ahead = math.cos(error)
+    ahead = abs(math.cos(error)) if "cosine-size" in mistakes else math.cos(error)
     return speed * (ahead if "backwards" in mistakes else max(0.0, ahead))
 
 
@@ -131,6 +138,7 @@ def _bearing(case: Case, mistakes: frozenset[str]) -> float:
     pose, path, _, _, ahead, _ = case.arguments
     away = np.hypot(*(path - pose[:2]).T)
     nearest = int(away.argmin())
+    ahead = math.sqrt(ahead) if "ahead-rooted" in mistakes else ahead
     far = nearest + np.flatnonzero(away[nearest:] > ahead)
     target = int(far[0]) if len(far) else len(path) - 1
     if "from-start" in mistakes:
@@ -144,6 +152,9 @@ def _bearing(case: Case, mistakes: frozenset[str]) -> float:
         target = int(behind[-1]) if len(behind) else 0
     if "next" in mistakes:
         target = min(nearest + 1, len(path) - 1)
+    further = next((points for points in FURTHER if f"further-{points}" in mistakes), None)
+    if further is not None:
+        target = min(nearest + further, len(path) - 1)
     if "from-far" in mistakes:
         within = np.flatnonzero(away <= ahead)
         target = int(within[-1]) if len(within) else nearest
@@ -212,6 +223,7 @@ CHECKS = Checks(
         Hypothesis("nearest", "no-look-ahead", frozenset(TARGETS)),
         Hypothesis("next", "no-look-ahead", frozenset(TARGETS)),
         Hypothesis("from-far", "no-look-ahead", frozenset(TARGETS)),
+        *(Hypothesis(f"further-{n}", "points-counted", frozenset(TARGETS)) for n in FURTHER),
         Hypothesis("last", "corners-cut", frozenset(TARGETS)),
         Hypothesis("own-heading", "own-heading", frozenset(ERRORS)),
         Hypothesis("heading-added", "own-heading", frozenset(ERRORS)),
@@ -219,6 +231,8 @@ CHECKS = Checks(
         Hypothesis("from-target", "bearing-back", frozenset(ERRORS)),
         Hypothesis("full-speed", "full-speed"),
         Hypothesis("backwards", "backwards"),
+        Hypothesis("cosine-size", "drives-away"),
+        Hypothesis("ahead-rooted", "ahead-rooted"),
         Hypothesis("drives-on", "drives-on", kind="goal"),
         Hypothesis("degrees", "S4"),
         Hypothesis("degrees-turn", "S4"),

@@ -91,6 +91,10 @@ def expected(case: Case, mistakes: frozenset[str]) -> Array:
     turn = right - left / track if "right-whole" in mistakes else turn
     if "turn-summed" in mistakes:
         turn = (right + left) / track
+    if "turn-right-alone" in mistakes:
+        turn = right / track
+    if "turn-left-alone" in mistakes:
+        turn = left / track
     if "turn-times-track" in mistakes:
         turn = (right - left) * track
     if "turn-undivided" in mistakes:
@@ -132,6 +136,11 @@ def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
     spins = [item for item in outcomes if item.case.kind == "spin" and _moved(item) > 1e-4]
     if spins and all(_right(item) for item in outcomes[:1]):
         yield Sign("M4", spins[0], weak=True)
+    shares = [_turn_share(item) for item in outcomes if item.case.kind in ("spin", "arc")]
+    usual = min(abs(np.mean(shares)), abs(np.mean(shares) - 1)) < 0.05
+    if wrong and np.ptp(shares) < 0.05 and not usual:
+        yield Sign("track" if shares[0] > 0 else "turn-sign", wrong[0], weak=True)
+        return  # where it comes to follows from that
     arcs = [item for item in outcomes if item.case.kind == "arc"]
     if arcs and not spins and all(abs(_ahead(item) - 1.0) < 0.2 for item in arcs):
         yield Sign("M2", arcs[0], weak=True)
@@ -150,6 +159,13 @@ def _turned_round(outcome: Outcome) -> bool:
     """Return whether only the heading is wrong, and looks the other way."""
     given, due = features(outcome), expected(outcome.case, frozenset())
     return bool((np.abs(given - due * [1, 1, -1, -1]) < TOLERANCE).all())
+
+
+def _turn_share(outcome: Outcome) -> float:
+    """Return how much of the turn that is due has been made."""
+    pose, left, right, track = outcome.case.arguments
+    turned = wrap_angle(float(outcome.result[2]) - float(pose[2]))
+    return float(turned) / (float(right - left) / float(track))
 
 
 def _moved(outcome: Outcome) -> float:
@@ -218,6 +234,8 @@ CHECKS = Checks(
         Hypothesis("y-kept", "axis-lost"),
         Hypothesis("sine-negative", "slip-sign", broad=True),
         Hypothesis("turn-summed", "turn-summed", frozenset(TURNS)),
+        Hypothesis("turn-right-alone", "one-wheel-turns", frozenset(TURNS)),
+        Hypothesis("turn-left-alone", "one-wheel-turns", frozenset(TURNS)),
         Hypothesis("turn-times-track", "track", frozenset(TURNS)),
         Hypothesis("turn-undivided", "track", frozenset(TURNS)),
         Hypothesis("turn-one-way", "turn-sign", frozenset(TURNS)),

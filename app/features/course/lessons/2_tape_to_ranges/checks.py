@@ -95,9 +95,11 @@ def expected(case: Case, mistakes: frozenset[str]) -> Array:
     if "horizon-middle" in mistakes and v <= camera.v0:
         return FAR
     if abs(fall) < 1e-12 or (fall < 0 and "horizon" not in mistakes):
-        return FAR
+        return FAR[::-1] if "exchanged" in mistakes else FAR
     scale = (1.0 if "height-lost" in mistakes else camera.height) / fall
     ahead = c + s * down if "turned-back" in mistakes else c - s * down
+    if "offset-early" in mistakes:
+        ahead += camera.forward - camera.forward / scale
     sides = {"side-short": -right, "side-along-floor": -scale * ahead * right}
     side = by_mistake(mistakes, sides, -scale * right)
     side = -side if "mirrored" in mistakes else side
@@ -132,6 +134,7 @@ def _bearing_and_range(
     bearings = {
         "from-camera": math.atan2(y, ahead),
         "bearing-in-picture": -math.atan(right),
+        "from-angles": -math.atan(right),
         "no-arctan": y / x if x else math.inf,
         "swapped": math.atan2(x, y),
     }
@@ -145,6 +148,7 @@ def _bearing_and_range(
         "slanted-from-camera": math.sqrt(ahead * ahead + y * y + camera.height**2),
         "range-from-camera": math.hypot(ahead, y),
         "range-ahead-of-camera": ahead,
+        "from-angles": x * math.hypot(1.0, right),
         "offset-late": math.hypot(x, y) + camera.forward,
     }
     far = by_mistake(mistakes, ranges, math.sqrt(x * x + y * y + slant * slant))
@@ -186,9 +190,26 @@ def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
             if abs(far - due + camera.forward) < 1e-6:
                 yield Sign("S9", outcome)
                 return
-    if wrong:
+    lost = _rows_or_columns_lost(outcomes)
+    if wrong and lost:
+        yield Sign(lost, wrong[0], weak=True)
+    elif wrong:
         bearing, far = np.abs(features(wrong[0]) - _due(wrong[0])) < TOLERANCE
         yield Sign("range" if bearing else "bearing" if far else "point", wrong[0], weak=True)
+
+
+def _rows_or_columns_lost(outcomes: Sequence[Outcome]) -> str:
+    """Return the cause if pixels that lie apart are told as the same point; "" if they are not."""
+    middle = next(features(item) for item in outcomes if item.case.kind == "middle")
+    for kind, cause in (("column", "rows-lost"), ("row", "columns-lost")):
+        points = [
+            features(item)
+            for item in outcomes
+            if item.case.kind == kind and item.case.arguments[2] is CAMERA
+        ]
+        if points and all(np.allclose(each, middle, atol=1e-7) for each in points):
+            return cause
+    return ""
 
 
 def _due(outcome: Outcome) -> Array:
@@ -221,7 +242,7 @@ CHECKS = Checks(
     expected=expected,
     hypotheses=(
         Hypothesis("no-offset", "S9", OFFSETS),
-        Hypothesis("backwards", "S9", OFFSETS),
+        Hypothesis("backwards", "offset-sign", OFFSETS),
         Hypothesis("tilt-in-degrees", "S4", TILTS),
         Hypothesis("tilt-to-degrees", "S4", TILTS),
         Hypothesis("bearing-in-degrees", "S4"),
@@ -237,6 +258,7 @@ CHECKS = Checks(
         Hypothesis("swapped", "arctan"),
         Hypothesis("only-ahead", "slant"),
         Hypothesis("offset-late", "offset-late", OFFSETS),
+        Hypothesis("offset-early", "offset-early", OFFSETS),
         Hypothesis("turned-back", "rotation"),
         Hypothesis("side-short", "side"),
         Hypothesis("horizon-early", "horizon-early", frozenset(["horizon"])),
@@ -251,6 +273,7 @@ CHECKS = Checks(
         Hypothesis("range-ahead-of-camera", "slant"),
         Hypothesis("slanted-from-camera", "slant"),
         Hypothesis("bearing-in-picture", "bearing-in-picture"),
+        Hypothesis("from-angles", "bearing-in-picture"),
         Hypothesis("no-arctan", "no-arctan"),
         Hypothesis("no-root", "no-root"),
         Hypothesis("axes-exchanged", "pixel-axes"),

@@ -24,6 +24,7 @@ from app.features.course.grader.mistaken_weights import (
     distances,
     ends,
     weights_of,
+    within,
 )
 from app.features.course.grader.tape_field import CELL, ORIGIN, TAPE, tape_field
 from app.features.course.grader.words import Words
@@ -127,6 +128,8 @@ def features(outcome: Outcome) -> Array:
 def expected(case: Case, mistakes: frozenset[str]) -> Array:
     """The log-weights that formulas with mistakes give."""
     poses, bearings, ranges, field, sigma = case.arguments
+    poses = np.repeat(poses[:1], len(poses), axis=0) if "first-guess" in mistakes else poses
+    poses = np.repeat(poses[-1:], len(poses), axis=0) if "last-guess" in mistakes else poses
     seen = np.isfinite(ranges)
     x, y = ends(poses, bearings[seen], ranges[seen], mistakes)
     away = distances(x, y, field, mistakes)
@@ -135,12 +138,18 @@ def expected(case: Case, mistakes: frozenset[str]) -> Array:
         away = np.abs(clearance - ranges[seen].min())
     with np.errstate(all="ignore"):
         weights = weights_of(away, sigma, mistakes)
+    for name, instead in (("beyond-out", 0.0), ("beyond-missed", math.log(RANDOM))):
+        if name in mistakes:
+            logs = weights_of(away.reshape(-1, 1), sigma, REFERENCE).reshape(away.shape)
+            weights = np.where(within(x, y, field), logs, instead).sum(axis=1)
     # An infinite range that is kept ends at the map's border, or wherever else no tape is.
     kept = (~seen).sum() if "far-away" in mistakes else 0
     weights += math.log(RANDOM) * kept
     if "zero-range" in mistakes and kept_out(seen):
         clearances = distances(poses[:, :1], poses[:, 1:2], field, REFERENCE)
         weights = weights + weights_of(clearances, sigma, REFERENCE) * (~seen).sum()
+    if "accumulated" in mistakes:
+        weights = np.cumsum(weights)
     if "stops-early" in mistakes and kept_out(seen):
         first = int(np.flatnonzero(~seen)[0])
         weights = weights_of(away[:, :first], sigma, mistakes) if first else np.zeros(len(poses))
@@ -285,22 +294,28 @@ CHECKS = Checks(
         Hypothesis("sign", "S2", frozenset(INVERSES)),
         *(Hypothesis(name, "S5", STARTS) for name in sorted(STARTS)),
         *(Hypothesis(name, "S8", frozenset(WIDTHS)) for name in NARROW),
-        *(Hypothesis(name, "sigma", frozenset(WIDTHS)) for name in WIDE),
+        Hypothesis("multiplied", "sigma-multiplied", frozenset(WIDTHS)),
+        *(Hypothesis(name, "sigma", frozenset(WIDTHS)) for name in WIDE if name != "multiplied"),
         *(Hypothesis(name, "S6", kind="headings") for name in ("no-heading", "nearest")),
         *(Hypothesis(name, "S3", JOINTS) for name in INVERSES),
         *(Hypothesis(name, "S1", JOINTS, "many") for name in PRODUCTS),
         Hypothesis("plain", "no-logarithm", JOINTS),
         Hypothesis("unclipped", "beyond", kind="beyond"),
+        Hypothesis("beyond-out", "beyond-skipped", kind="beyond"),
+        Hypothesis("beyond-missed", "beyond-skipped", kind="beyond"),
         *(Hypothesis(f"{name}-as-degrees", "S4") for name in ("heading", "bearings", "angles")),
         *(Hypothesis(name, "outliers") for name in ("no-outliers", "only-hits", "outliers-inside")),
         Hypothesis("normal-density", "density"),
         Hypothesis("rows", "rows"),
-        Hypothesis("rounded", "half-cell"),
+        *(Hypothesis(name, "half-cell") for name in ("rounded", "rounded-x", "rounded-y")),
         *(Hypothesis(name, "mean", JOINTS) for name in ("mean", "cubed")),
         Hypothesis("sum", "sum", JOINTS),
         Hypothesis("plain-sum", "sum", JOINTS),
         Hypothesis("far-away", "no-return", kind="no-return"),
         Hypothesis("no-square", "square"),
+        Hypothesis("first-guess", "one-guess", kind="headings"),
+        Hypothesis("last-guess", "one-guess", kind="headings"),
+        Hypothesis("accumulated", "accumulated", kind="headings"),
         Hypothesis("bearing-subtracted", "bearing-sign"),
         Hypothesis("heading-subtracted", "heading-sign"),
         Hypothesis("place-lost", "place-lost"),
@@ -327,7 +342,7 @@ CHECKS = Checks(
         Hypothesis("averaged", "sum", JOINTS),
         Hypothesis("plain-mean", "sum", JOINTS),
         Hypothesis("zero-range", "no-return", kind="no-return"),
-        Hypothesis("stops-early", "no-return", kind="no-return"),
+        Hypothesis("stops-early", "stops-early", kind="no-return"),
     ),
     signs=signs,
     show=show,

@@ -26,6 +26,8 @@ LIKELY = 6.0
 """Standard errors that a correct cloud never differs by, and no seed of the checks comes near."""
 ALIKE = 2e-6
 """Deviations [m or rad] that are none."""
+OPPOSITE = 0.5
+"""Directions so near to the opposite one are those of a way whose noise made it negative [rad]."""
 NOISELESS = np.zeros(4)
 STEPS = (
     ("straight", "A step of 50 mm straight ahead, without noise.", (0.05, 0.0, 0.0)),
@@ -106,8 +108,16 @@ def _spread(poses: Array, case: Case) -> Array:
     The error of each is the same whatever the spread is.
     """
     _, moved, _ = case.arguments
-    errors = _steps(poses, moved) - _steps(compose(np.zeros((1, 3)), moved), moved)
+    due = _steps(compose(np.zeros((1, 3)), moved), moved)
+    errors = _steps(poses, moved) - due
     errors[:, 1:] = wrap_angle(errors[:, 1:])
+    # A short way may come out negative by its noise: one such particle would look the other way.
+    middle = np.angle(np.exp(1j * errors[:, 1]).mean())
+    middle = abs(middle) if abs(middle) > 0.9 * math.pi else middle
+    errors[:, 1] = middle + wrap_angle(errors[:, 1] - middle)
+    turned = np.abs(errors[:, 1] - middle) > math.pi - OPPOSITE
+    errors[turned, 0] = -errors[turned, 0] - 2 * due[0, 0]
+    errors[turned, 1] = middle + wrap_angle(errors[turned, 1] + math.pi - middle)
     deviations = np.maximum(errors.std(axis=0), 1e-6)
     scaled = (errors - errors.mean(axis=0)) / deviations
     # Where there is no spread there is no correlation either.
@@ -159,7 +169,7 @@ def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
         if outcome.case.kind == "spin" and straight:
             moved = np.abs(poses[:, :2] - outcome.case.arguments[0][:, :2])
             if moved.max() > 1e-6:
-                yield Sign("M4", outcome, weak=True)
+                yield Sign("spin-moves", outcome, weak=True)
         if outcome.case.kind == "straight" and _is_parallel(outcome):
             yield Sign("M1", outcome, weak=True)
         if outcome.case.kind == "seeds":
@@ -171,6 +181,10 @@ def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
 
 def _without_noise(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
     """Name a part of the step that all particles of a cloud have alike: due, or by one draw."""
+    ways = [item for item in outcomes if _is_cloud(item.case) and item.case.arguments[2][2] == 0.02]
+    if any(features(item)[4] > math.log(100 * ALIKE) for item in ways):
+        yield Sign("noise-on-place", ways[0], weak=True)
+        return
     for outcome in outcomes:
         if not _is_cloud(outcome.case):
             continue
@@ -242,13 +256,14 @@ CHECKS = Checks(
     features=features,
     expected=expected,
     hypotheses=(
-        Hypothesis("not-turned", "M1"),
+        *(Hypothesis(name, "M1") for name in ("not-turned", "not-turned-x", "not-turned-y")),
         Hypothesis("reverse-turns", "M3", kind="reverse"),
         Hypothesis("no-noise", "M5", SIZES, "noise"),
         Hypothesis("new-heading", "M2", ANGLES),
         Hypothesis("old-heading", "old-heading", ANGLES),
         Hypothesis("degrees", "S4"),
         Hypothesis("variance", "variance", SIZES),
+        Hypothesis("rooted-twice", "rooted-twice", SIZES),
         Hypothesis("absolute", "variances", SIZES),
         *(Hypothesis(name, "alphas", SIZES) for name in SWAPS),
         *(Hypothesis(name, "variances", SIZES) for name in SUMS),
@@ -257,6 +272,7 @@ CHECKS = Checks(
         Hypothesis("from-zero", "noise-form", SIZES),
         Hypothesis("same-draw", "same-draw", kind="turn"),
         Hypothesis("one-rotation", "rotation-lost"),
+        Hypothesis("first-rotation-alone", "rotation-lost"),
         Hypothesis("whole-turn", "second-turn"),
         Hypothesis("direction-swapped", "arctan"),
         Hypothesis("sine-first", "sine"),
@@ -275,7 +291,7 @@ CHECKS = Checks(
         Hypothesis("back-ahead", "back-ahead"),
         Hypothesis("ahead-alone", "way-length"),
         Hypothesis("direction-swapped-back", "arctan"),
-        Hypothesis("half-turned", "M3"),
+        Hypothesis("half-turned", "back-twice", kind="back"),
         Hypothesis("proportional", "variances", SIZES),
     ),
     signs=signs,

@@ -152,6 +152,10 @@ def _survivors(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
         elif weightless and not outcome.answers[0].shared:
             wrong.append((outcome, weightless <= len(outcome.answers) or _beside(outcome, drawn)))
     unlike = [item for item in many if not _as_weighed(item)]
+    fixed = [item for item in unlike if _is_fixed(item)]
+    if fixed and len(fixed) == len(unlike) and not wrong:
+        yield Sign("copies-fixed", fixed[0])
+        return
     if unlike and not wrong:
         yield Sign("line", unlike[0], weak=True)
     if wrong:
@@ -159,6 +163,13 @@ def _survivors(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
         # An index that is off by one is so always, but where it is cut off at an end.
         always = sum(item.case.kind == "sole" for item, _ in wrong) > 1
         yield Sign("R4" if beside else "line", wrong[0][0], weak=not (beside and always))
+
+
+def _is_fixed(outcome: Outcome) -> bool:
+    """Return whether each draw gives each particle the same number of copies."""
+    count = len(outcome.case.arguments[1])
+    copies = [np.bincount(_drawn(each, outcome.case), minlength=count) for each in outcome.answers]
+    return all(np.array_equal(copies[0], each) for each in copies)
 
 
 def _as_weighed(outcome: Outcome) -> bool:

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from types import SimpleNamespace
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -64,6 +65,7 @@ RUNS, ROUNDS, COUNT = 20, 8, 150
 """Drives through the small world, each with its own seed."""
 NEAR_M = 0.12
 TIMES = frozenset(["never-resamples", "always-resamples", "the-other-way"])
+_TOLD: WeakKeyDictionary[Outcome, Array] = WeakKeyDictionary()
 STANDS = ("either", "way-alone", "signed", "ahead-alone", "ahead-size", "side-lost")
 
 
@@ -160,8 +162,9 @@ def features(outcome: Outcome) -> Array:
     """Poses and weights after the round, and which parts were asked."""
     if outcome.case.kind == "drives":
         return np.array([outcome.result])
-    poses, weights = _valid(outcome.result, 4)
-    return _features(poses, weights, outcome.case)
+    if outcome not in _TOLD:  # the case's counts are those of its last round alone
+        _TOLD[outcome] = _features(*_valid(outcome.result, 4), outcome.case)
+    return _TOLD[outcome]
 
 
 def _features(poses: Array, weights: Array, case: Case) -> Array:
@@ -214,7 +217,9 @@ def _loop(
     if "not-kept" in mistakes:
         drawn, _ = _survivors(poses, weights, parts, REFERENCE)
         return (poses, prior) if drawn is poses else parts.resample(poses, prior)
-    drawn, weights = _survivors(poses, weights, parts, mistakes)
+    unnormalized = "size-unnormalized" in mistakes
+    raw = _weighed(prior, fits, mistakes | {"not-normalized"}) if unnormalized else None
+    drawn, weights = _survivors(poses, weights, parts, mistakes, raw)
     return drawn, np.log(weights) if "log-returned" in mistakes and drawn is poses else weights
 
 
@@ -259,9 +264,14 @@ def _stands(moved: Array, mistakes: frozenset[str]) -> bool:
 
 
 def _survivors(
-    poses: Array, weights: Array, parts: CountedParts, mistakes: frozenset[str]
+    poses: Array,
+    weights: Array,
+    parts: CountedParts,
+    mistakes: frozenset[str],
+    raw: Array | None = None,
 ) -> tuple[Array, Array]:
     shares = weights / weights.sum() if "normalized-late" in mistakes else weights
+    shares = shares if raw is None else raw
     effective = 1 / (shares**2).sum()
     wanted = effective < len(poses) / 2
     if "never-resamples" in mistakes:
@@ -351,6 +361,7 @@ CHECKS = Checks(
         Hypothesis("motion-lost", "motion-lost", frozenset(["weighs-first"])),
         Hypothesis("not-normalized", "not-normalized"),
         Hypothesis("normalized-late", "not-normalized"),
+        Hypothesis("size-unnormalized", "size-unnormalized"),
         Hypothesis("no-exponential", "exponential"),
         Hypothesis("log-added", "exponential"),
         Hypothesis("log-log", "exponential"),

@@ -18,6 +18,7 @@ from app.features.course.grader.case import (
 )
 from app.features.course.grader.drawing import Drawing, draw_clouds
 from app.features.course.grader.forms import (
+    SURELY_DEGREES,
     array_of,
     generator_signs,
     heading_signs,
@@ -65,7 +66,7 @@ STARTS = frozenset(
     {
         *("front-half", "xy-exchanged", "size-alone", "one-number"),
         *("from-zero", "size-from-zero", "right-as-width", "pairs", "diagonal"),
-        *("half-circle", "heading-small", "heading-zero"),
+        *("half-circle", "heading-small", "heading-zero", "heading-unsigned"),
     }
 )
 
@@ -84,7 +85,8 @@ def cases(seed: int) -> list[Case]:
 
 def _extents(rng: np.random.Generator) -> list[Array]:
     drawn = np.concatenate([rng.uniform(-2, 0.5, 2), rng.uniform(1, 3, 2)])
-    return [np.array([0.0, 0.0, 2.0, 1.0]), np.array([0.5, -1.0, 1.5, 0.2]), drawn]
+    # Whoever takes the sides in another order gets a field of the first, too, and no error.
+    return [np.array([0.0, 0.5, 1.0, 2.0]), np.array([0.5, -1.0, 1.5, 0.2]), drawn]
 
 
 def _start(extent: Array, seed: int) -> Case:
@@ -163,6 +165,7 @@ def _spread(extent: Array, mistakes: frozenset[str]) -> Array | None:
         "half-circle": (0.0, math.pi),
         "heading-small": (-1.0, 1.0),
         "heading-zero": (0.0, 0.0),
+        "heading-unsigned": (0.0, 2 * math.pi),
         "front-half": (-math.pi / 2, math.pi / 2),
         "size-alone": (0.0, 2 * math.pi),
     }
@@ -251,6 +254,8 @@ def _uneven(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
         if outcome.case.kind != "start":
             continue
         poses = np.asarray(outcome.result)
+        if np.abs(poses[:, 2]).max() > SURELY_DEGREES:
+            return  # where they lie follows from that
         if np.ptp(poses, axis=0).max() == 0:
             yield Sign("all-alike", outcome)
             return
@@ -366,6 +371,7 @@ CHECKS = Checks(
         Hypothesis("half-circle", "half-circle", STARTS),
         Hypothesis("heading-small", "half-circle", STARTS),
         Hypothesis("heading-zero", "half-circle", STARTS),
+        Hypothesis("heading-unsigned", "E2", STARTS),
         Hypothesis("front-half", "half-circle", STARTS),
         Hypothesis("xy-exchanged", "xy", STARTS),
         Hypothesis("size-alone", "S5", STARTS),

@@ -43,6 +43,16 @@ FITS = (
 RUNS, BEFORE, AFTER, PARTICLES = 20, 6, 20, 250
 NEAR_M = 0.15
 RULES = ("either-way", "upside-down", "difference", "newest", "half")
+KEEPINGS = {
+    "grows": "memory-grows",
+    "shares-exchanged": "memory-shares",
+    "slow-kept": "memory-unstored",
+    "fast-kept": "memory-unstored",
+    "alike-slow": "memory-shares",
+    "fast-all": "memory-shares",
+    "slow-all": "memory-shares",
+    "alike-fast": "memory-shares",
+}
 SHARES = {"never": 0.0, "always": 0.1, "all": 1.0}
 ONE_PLACE = Words("All particles that are new are the same one.")
 ALL, PLACES = (
@@ -65,7 +75,8 @@ def _call(fit: tuple[str, str, float, float, float], seed: int) -> Case:
     kind, text, *memory = fit
     words = Words("{text} {count} particles.", {"text": Words(text), "count": COUNT})
     share = LIKELY * math.sqrt(0.25 / COUNT)
-    tolerance = np.array([share if kind == "worse" else 1e-9, 1e-9, 1e-9, 3 * share, 0.5])
+    # Where none is due a single new one is a sign, see below.
+    tolerance = np.array([share, 1e-9, 1e-9, 3 * share, 0.5])
     fit_slow_fast = (memory[0], memory[1], memory[2])
     return _asked(words, kind, fit_slow_fast, COUNT, (seed,), tolerance)
 
@@ -160,6 +171,9 @@ def expected(case: Case, mistakes: frozenset[str]) -> Array:
         share = 1 - fit
     else:
         share = 1 - fast / slow
+    slow, fast = _kept_wrongly(memory, fit, (slow, fast), mistakes)
+    if mistakes & set(KEEPINGS):
+        share = 1 - fast / slow if slow else 0.0
     share = _otherwise(share, slow, fast, fit, mistakes)
     share = next((rule for name, rule in SHARES.items() if name in mistakes), share)
     kept = (memory.slow, memory.fast) if "memory-kept" in mistakes else (slow, fast)
@@ -170,6 +184,24 @@ def expected(case: Case, mistakes: frozenset[str]) -> Array:
     if "last-ones" in mistakes and share > 0:
         place = 1 - share / 2
     return np.array([share, *kept, place, 0.0])
+
+
+def _kept_wrongly(
+    memory: SimpleNamespace, fit: float, due: tuple[float, float], mistakes: frozenset[str]
+) -> tuple[float, float]:
+    """Return the memories by another rule, if it is a mistake of these."""
+    slow, fast = memory.slow, memory.fast
+    rules = {
+        "grows": (slow + SLOW * fit, fast + FAST * fit),
+        "shares-exchanged": (fit + SLOW * (slow - fit), fit + FAST * (fast - fit)),
+        "slow-kept": (slow, due[1]),
+        "fast-kept": (due[0], fast),
+        "alike-slow": (due[0], fast + SLOW * (fit - fast)),
+        "alike-fast": (slow + FAST * (fit - slow), due[1]),
+        "fast-all": (due[0], fit),
+        "slow-all": (fit, due[1]),
+    }
+    return next((rule for name, rule in rules.items() if name in mistakes), due)
 
 
 def _otherwise(
@@ -264,8 +296,9 @@ CHECKS = Checks(
         Hypothesis("other-ratio", "ratio", ALL),
         Hypothesis("fit-alone", "ratio", ALL),
         *(Hypothesis(name, "ratio", ALL) for name in RULES),
-        Hypothesis("old-memory", "memory", ALL),
-        Hypothesis("memory-kept", "memory"),
+        Hypothesis("old-memory", "memory-late", ALL),
+        Hypothesis("memory-kept", "memory-unstored"),
+        *(Hypothesis(name, cause) for name, cause in KEEPINGS.items()),
         Hypothesis("rates-swapped", "rates"),
         Hypothesis("all", "all-new", ALL),
         Hypothesis("all-if-any", "all-new", ALL),

@@ -70,6 +70,7 @@ def expected(case: Case, mistakes: frozenset[str]) -> Array:
         "rest-squared": (left / before) ** 2,
         "never-surer": before**2,
         "seen-sd": seen_sd**2,
+        "rest-summed": before**2 + seen_sd**2,
     }
     variance = by_mistake(mistakes, variances, left)
     means = {"mean-reversed": 1 - gain, "mean-halved": 0.5, "seen-taken": 1.0, "seen-ignored": 0.0}
@@ -92,6 +93,7 @@ def _gain(sd: float, before: float, seen_sd: float, mistakes: frozenset[str]) ->
         "seen-unsquared": before**2 / (before**2 + seen_sd),
         "gain-reversed": 1 - usual,
         "middle": 0.5,
+        "seen-sure": 1.0,
     }
     return by_mistake(mistakes, gains, usual)
 
@@ -128,7 +130,7 @@ CHECKS = Checks(
         Hypothesis("rest-reversed", "rest"),
         Hypothesis("rest-squared", "rest"),
         Hypothesis("away", "away"),
-        Hypothesis("old-mean", "step-lost"),
+        Hypothesis("old-mean", "old-belief"),
         Hypothesis("seen-unsquared", "deviations-weigh"),
         Hypothesis("deviations-added", "deviations-added"),
         Hypothesis("deviations-weigh", "deviations-weigh"),
@@ -141,7 +143,9 @@ CHECKS = Checks(
         Hypothesis("look-first", "look-first"),
         Hypothesis("seen-taken", "gain-fixed"),
         Hypothesis("seen-ignored", "gain-fixed"),
+        Hypothesis("seen-sure", "seen-sure"),
         Hypothesis("seen-sd", "rest"),
+        Hypothesis("rest-summed", "rest"),
         Hypothesis("no-difference", "no-difference"),
         Hypothesis("exchanged", "slip-order"),
     ),
