@@ -179,7 +179,7 @@ class Navigator:
         low, high = trajectory.leg_at(self._clock)
         stays = trajectory.is_turn(low, high)
         controller = self._controller
-        clock = min(self._clock + pace * passed, trajectory.duration)
+        before, clock = self._clock, min(self._clock + pace * passed, trajectory.duration)
         if not controller.by_time and not stays and self._clock < trajectory.duration:
             clock = self._clock_by_place(tick, pose, trajectory, clock, high)
         self._clock = clock
@@ -203,6 +203,8 @@ class Navigator:
         try:
             return controller.command(tracking)
         except BrickPoseError as error:
+            # The way waits too: else the robot would be off it, and hide the reason by planning.
+            self._clock = before
             self._show("waiting", reason=str(error))
             return Twist2()
 

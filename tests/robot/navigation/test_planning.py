@@ -78,7 +78,7 @@ def test_nothing_is_to_be_done_where_the_robot_stands(square):
         (Pose2(0.5, 0.0), "would stand on a wall"),
         (Pose2(3.0, 0.0), "would stand on a wall"),
         (Pose2(0.402, 0.0), "nearer to a wall than 8 mm"),
-        (Pose2(0.65, 0.65, 0.8), "no room to turn"),
+        (Pose2(0.65, 0.65, 0.8), "a wall is between"),
     ],
 )
 def test_a_goal_where_the_robot_cannot_be_is_refused_with_its_reason(square, goal, words):

@@ -137,8 +137,8 @@ def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
     if spins and all(_right(item) for item in outcomes[:1]):
         yield Sign("M4", spins[0], weak=True)
     shares = [_turn_share(item) for item in outcomes if item.case.kind in ("spin", "arc")]
-    usual = min(abs(np.mean(shares)), abs(np.mean(shares) - 1)) < 0.05
-    if wrong and np.ptp(shares) < 0.05 and not usual:
+    usual = not shares or min(abs(np.mean(shares)), abs(np.mean(shares) - 1)) < 0.05
+    if wrong and not usual and np.ptp(shares) < 0.05:
         yield Sign("track" if shares[0] > 0 else "turn-sign", wrong[0], weak=True)
         return  # where it comes to follows from that
     arcs = [item for item in outcomes if item.case.kind == "arc"]

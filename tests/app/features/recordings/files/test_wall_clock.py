@@ -26,6 +26,8 @@ READERS = {
     "app/features/recordings/outlet.py",  # the names of recordings
     "app/features/recordings/library.py",  # the age of a file that is written
     "app/features/recordings/remote.py",
+    "app/features/classroom/hub/authenticator.py",  # how old a sign-in is
+    "app/features/classroom/hub/proxy_server.py",  # when a page was last used, for the hub
     "app/features/ros/incoming.py",  # the name of a map that has none
     "app/features/ros/source.py",  # ROS time
     "app/features/ros/rosbridge/bridge.py",
