@@ -95,7 +95,7 @@ def expected(case: Case, mistakes: frozenset[str]) -> Array:
     if "horizon-middle" in mistakes and v <= camera.v0:
         return FAR
     if abs(fall) < 1e-12 or (fall < 0 and "horizon" not in mistakes):
-        return FAR[::-1] if "exchanged" in mistakes else FAR
+        return FAR[::-1] if "exchanged-always" in mistakes else FAR
     scale = (1.0 if "height-lost" in mistakes else camera.height) / fall
     ahead = c + s * down if "turned-back" in mistakes else c - s * down
     if "offset-early" in mistakes:
@@ -152,7 +152,7 @@ def _bearing_and_range(
         "offset-late": math.hypot(x, y) + camera.forward,
     }
     far = by_mistake(mistakes, ranges, math.sqrt(x * x + y * y + slant * slant))
-    if "exchanged" in mistakes:
+    if mistakes & {"exchanged", "exchanged-always"}:
         bearing, far = far, bearing
     return np.array([bearing, far]) + 0.0
 
@@ -200,7 +200,9 @@ def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
 
 def _rows_or_columns_lost(outcomes: Sequence[Outcome]) -> str:
     """Return the cause if pixels that lie apart are told as the same point; "" if they are not."""
-    middle = next(features(item) for item in outcomes if item.case.kind == "middle")
+    middle = next((features(item) for item in outcomes if item.case.kind == "middle"), None)
+    if middle is None:
+        return ""
     for kind, cause in (("column", "rows-lost"), ("row", "columns-lost")):
         points = [
             features(item)
@@ -263,6 +265,7 @@ CHECKS = Checks(
         Hypothesis("side-short", "side"),
         Hypothesis("horizon-early", "horizon-early", frozenset(["horizon"])),
         Hypothesis("exchanged", "exchanged"),
+        Hypothesis("exchanged-always", "exchanged"),
         Hypothesis("cartesian", "cartesian"),
         Hypothesis("horizon-middle", "horizon-early", frozenset(["horizon"])),
         Hypothesis("fall-sign", "rotation"),
