@@ -167,8 +167,7 @@ def _survivors(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
 
 def _is_fixed(outcome: Outcome) -> bool:
     """Return whether each draw gives each particle the same number of copies."""
-    count = len(outcome.case.arguments[1])
-    copies = [np.bincount(_drawn(each, outcome.case), minlength=count) for each in outcome.answers]
+    copies = [np.sort(_drawn(each, outcome.case)) for each in outcome.answers]
     return all(np.array_equal(copies[0], each) for each in copies)
 
 
