@@ -51,7 +51,8 @@ SPEAKING = (
     "robot/localization/estimate.py", "robot/localization/monitoring/causes.py",
     "robot/estimation/fit_quality.py", "robot/mapping/pushed.py", "robot/mapping/tape_map.py",
     "robot/navigation/line_follower.py", "robot/navigation/lookout.py",
-    "robot/navigation/navigator.py", "robot/settings.py",
+    "robot/navigation/arrival.py", "robot/navigation/navigator.py",
+    "robot/navigation/next_way.py", "robot/navigation/planning.py", "robot/settings.py",
 )  # fmt: skip
 """Modules and folders in which every sentence is a text, but their documentation."""
 LESSONS = "app/features/course/lessons"

@@ -39,10 +39,16 @@ def test_it_comes_to_the_tape_follows_it_around_a_corner_and_is_canceled():
 
 @pytest.mark.slow
 def test_on_stub_it_comes_to_the_end_of_the_tape_that_branches_off():
+    """It begins in front of it, as it goes straight on where the branch leaves the side."""
     bench = JourneyBench(imperfect=True, map="stub")
+    bench.program.robot.place(Pose2(0.36, 0.02, 3.0))
+    bench.go(0.3)
     bench.send(FOLLOW)
-    bench.go(80.0)
+    bench.go(20.0)
     assert bench.status.state == "arrived"
+    truth = bench.now.truth
+    assert abs(truth.y) < 0.05
+    assert 0.0 < truth.x < 0.3
     bench.close()
 
 
