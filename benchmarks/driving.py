@@ -74,10 +74,11 @@ async def drive(address: str) -> None:
 
 def page(address: str) -> list[Coroutine[None, None, None]]:
     """Receive what a page does that shows the map and the camera."""
-    return [_receive(f"ws://{address}/api/{path}") for path in ("live?rate=30", "camera")]
+    return [receive(f"ws://{address}/api/{path}") for path in ("live?rate=30", "camera")]
 
 
-async def _receive(address: str) -> None:
+async def receive(address: str) -> None:
+    """Take whatever comes through a socket."""
     async with connect(address, max_size=None, compression=None) as socket:
         async for _ in socket:
             pass

@@ -34,7 +34,7 @@ from app.features.ros.source import TopicSource
 from app.features.ros.topics import Quality
 from app.messages.driving_commands import FigureEightCommand
 from app.settings.config import Config, with_settings
-from benchmarks.driving import WARM_UP_S, drive, meanwhile, page, share
+from benchmarks.driving import WARM_UP_S, drive, meanwhile, receive, share
 from benchmarks.programs import server
 from benchmarks.result import Result
 from benchmarks.sweep import points_a_minute
@@ -203,6 +203,7 @@ def _pages() -> dict[int, float]:
     ):
         time.sleep(WARM_UP_S)
         for count in PAGES:
-            with meanwhile([page(running.address)[0] for _ in range(count)]):
+            live = f"ws://{running.address}/api/live?rate=30"
+            with meanwhile([receive(live) for _ in range(count)]):
                 shares[count] = share(running)
     return shares
