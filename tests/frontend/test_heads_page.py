@@ -122,6 +122,7 @@ def test_what_is_cut_or_overlaps_would_be_found(browser, server) -> None:
         assert not faults_of(page, "simple", "normal", "")
         page.add_style_tag(content="#map-title { width: 1rem; overflow: hidden; white-space: nowrap; }")
         assert any("map-title" in fault for fault in faults_of(page, "simple", "normal", ""))
-        page.add_style_tag(content="#figure-eight { position: relative; left: 3rem; top: 1rem; }")
+        moved = "position: relative; left: 3rem; top: 1rem"
+        page.add_style_tag(content=f"#figure-eight {{ {moved} }}")
         found = faults_of(page, "simple", "normal", "")
         assert any("figure-eight" in fault and "lies on" in fault for fault in found)
