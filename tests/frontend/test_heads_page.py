@@ -120,7 +120,8 @@ def faults_of(page: Page, layout: str, text: str, more: str) -> list[str]:
 def test_what_is_cut_or_overlaps_would_be_found(browser, server) -> None:
     for page in opened(browser, server, width=1366, height=900, view=False):
         assert not faults_of(page, "simple", "normal", "")
-        page.add_style_tag(content="#map-title { width: 1rem; overflow: hidden; white-space: nowrap; }")
+        cut = "width: 1rem; overflow: hidden; white-space: nowrap"
+        page.add_style_tag(content=f"#map-title {{ {cut} }}")
         assert any("map-title" in fault for fault in faults_of(page, "simple", "normal", ""))
         moved = "position: relative; left: 3rem; top: 1rem"
         page.add_style_tag(content=f"#figure-eight {{ {moved} }}")
