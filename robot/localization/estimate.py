@@ -36,7 +36,9 @@ class State(StrEnum):
     """The known place does not fit any more."""
 
 
-KNOWN = (State.CERTAIN, State.GIVEN, State.APPROXIMATE)
+BOUNDED = (State.CERTAIN, State.GIVEN)
+"""States in which a narrow bound is told: it holds, or does so if what was given is true."""
+KNOWN = (*BOUNDED, State.APPROXIMATE)
 """States in which the filter holds one place for the robot's."""
 
 

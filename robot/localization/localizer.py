@@ -9,7 +9,7 @@ import numpy as np
 
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2
-from robot.localization.estimate import SEARCHING, Estimate, Hypothesis, Integrity, State
+from robot.localization.estimate import BOUNDED, SEARCHING, Estimate, Hypothesis, Integrity
 from robot.localization.filter import Cloud, Filter, Setup
 from robot.localization.filter_kinds import FILTERS
 from robot.localization.monitoring.claims import claim, propagate_claim
@@ -190,7 +190,7 @@ class Localizer:
         estimate = replace(estimate, hypotheses=(heaviest, *estimate.hypotheses[1:]))
         self._concluded = estimate.hypotheses
         self.integrity = self._claim()
-        self._was_certain = self.integrity.state in (State.CERTAIN, State.GIVEN)
+        self._was_certain = self.integrity.state in BOUNDED
         return estimate
 
     def estimate(self, stamp: float) -> Estimate | None:

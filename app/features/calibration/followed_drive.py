@@ -14,7 +14,7 @@ from app.operating_system import give_way as give_way_here
 from app.worker_process import WorkerProcess
 from robot.errors import BrickPoseError
 from robot.geometry import Pose2
-from robot.localization.estimate import State
+from robot.localization.estimate import BOUNDED
 
 T = TypeVar("T")
 
@@ -37,7 +37,7 @@ def give_way(process: WorkerProcess) -> None:
 
 def start_of(first: Snapshot) -> Pose2:
     """Return where a drive begins, by its first tick: as the filter says if it claims a bound."""
-    known = first.integrity.state in (State.CERTAIN, State.GIVEN) and first.pose is not None
+    known = first.integrity.state in BOUNDED and first.pose is not None
     # Else where somebody told that it was, and how its wheels have turned since.
     return first.pose if known and first.pose else first.odometry
 

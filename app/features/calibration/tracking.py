@@ -13,7 +13,7 @@ from robot.calibration.drift import DriftFinding
 from robot.calibration.tracker import CalibrationTracker, Update
 from robot.geometry import Pose2
 from robot.interface import Reading
-from robot.localization.estimate import KNOWN, Alert, Cause, State
+from robot.localization.estimate import BOUNDED, KNOWN, Alert, Cause
 
 PATIENCE_S = 0.5
 """A result is used this long after its work began [s], on the robot's clock, so that drives repeat
@@ -71,7 +71,7 @@ def _commands(update: Update, odom_from_robot: Pose2, controls: Controls) -> tup
     moved = update.odom_from_robot.inverse() @ odom_from_robot
     pose = update.pose @ moved
     belief = controls.follower.belief
-    known = controls.follower.integrity_at(odom_from_robot).state in (State.CERTAIN, State.GIVEN)
+    known = controls.follower.integrity_at(odom_from_robot).state in BOUNDED
     if belief is not None and known and belief.pose(odom_from_robot).distance_to(pose) < NEAR:
         return (calibration,)
     way = math.hypot(moved.x, moved.y)

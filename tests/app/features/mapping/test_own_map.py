@@ -15,7 +15,7 @@ from app.settings.config import MAPS, Config
 from robot.fields.field import Field
 from robot.fields.field_loading import load_field
 from robot.geometry import Pose2
-from robot.localization.estimate import State
+from robot.localization.estimate import BOUNDED
 
 pytestmark = pytest.mark.slow
 
@@ -49,4 +49,4 @@ def followed(believed: Field, floor_from_map: Pose2) -> tuple[float, float]:
         offsets.append((floor_from_map @ pose).distance_to(drive.truth_at(tick.scan.stamp)))
         states.append(localization.integrity.state)
     rms = float(np.sqrt(np.mean(np.square(offsets))))
-    return rms, float(np.mean([state in (State.CERTAIN, State.GIVEN) for state in states]))
+    return rms, float(np.mean([state in BOUNDED for state in states]))

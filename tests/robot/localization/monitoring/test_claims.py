@@ -9,7 +9,15 @@ import numpy as np
 import pytest
 
 from robot.geometry import Pose2
-from robot.localization.estimate import ONLY_PLACE, Alert, Cause, Hypothesis, Standing, State
+from robot.localization.estimate import (
+    BOUNDED,
+    ONLY_PLACE,
+    Alert,
+    Cause,
+    Hypothesis,
+    Standing,
+    State,
+)
 from robot.localization.monitoring.claims import (
     HEADING_QUANTILE,
     LEAST_HEADING,
@@ -50,7 +58,7 @@ def test_the_state_is_told_by_weights_and_standing(
     found = claim(places(*weights), standing, NO_DOUBT)
     assert found.state is wanted
     # Unconfirmed, it may be another place.
-    told = wanted in (State.CERTAIN, State.GIVEN)
+    told = wanted in BOUNDED
     assert math.isfinite(found.radius) == told
 
 

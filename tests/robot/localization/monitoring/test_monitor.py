@@ -12,7 +12,7 @@ from app.features.lab.evaluation.integrity.drives import lap_drive
 from app.settings.conditions import apply_condition
 from app.settings.config import Config
 from robot.driving.figure_eight import FigureEight
-from robot.localization.estimate import Cause, State
+from robot.localization.estimate import BOUNDED, Cause, State
 
 pytestmark = pytest.mark.slow
 
@@ -61,6 +61,6 @@ def test_a_robot_as_usual_raises_no_alert(seed: int) -> None:
     check_true(claims)
     assert set(claims.causes) == {None}
     since = claims.stamps - claims.stamps[0]
-    bounded = np.array([state in (State.CERTAIN, State.GIVEN) for state in claims.states])
+    bounded = np.array([state in BOUNDED for state in claims.states])
     assert bounded[since > 3].mean() > 0.9
     assert claims.states[-1] is State.CERTAIN

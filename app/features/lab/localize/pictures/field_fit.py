@@ -16,7 +16,7 @@ from scipy.spatial import cKDTree
 from robot.fields.edges import sample
 from robot.fields.field import Field
 from robot.geometry import Pose2
-from robot.localization.estimate import Integrity, State
+from robot.localization.estimate import BOUNDED, Integrity, State
 from robot.scan import Scan
 
 STEP_M = 0.004
@@ -73,6 +73,6 @@ class FieldFit:
         share = self.share
         if share < LOST:
             return Integrity(State.LOST, alerts=claimed.alerts)
-        if math.isnan(share) and claimed.state in (State.CERTAIN, State.GIVEN):
+        if math.isnan(share) and claimed.state in BOUNDED:
             return replace(claimed, state=State.APPROXIMATE)
         return claimed

@@ -17,7 +17,7 @@ from app.messages.commands import Command, PauseCommand, PlaceCommand, ResumeCom
 from app.messages.driving_commands import FigureEightCommand, StopCommand
 from app.settings.config import Config
 from robot.geometry import Pose2
-from robot.localization.estimate import State
+from robot.localization.estimate import BOUNDED, State
 
 pytestmark = pytest.mark.slow
 
@@ -110,6 +110,6 @@ def test_on_a_field_without_symmetry_it_is_not_certain_of_a_wrong_place() -> Non
     claims = follow_claims(moved_drive(config), config, "moved")
     assert longest(claims.stamps, misleading(claims)) < 0.3
     before = claims.stamps < CARRY_STAMP
-    bounded = [state in (State.CERTAIN, State.GIVEN) for state in claims.states]
+    bounded = [state in BOUNDED for state in claims.states]
     assert np.mean(np.array(bounded)[before]) > 0.9
     assert certain(claims)[before].mean() > 0.5

@@ -13,14 +13,12 @@ from app.features.lab.evaluation.integrity.mishaps import apply_any_condition, m
 from app.messages.driving_commands import FigureEightCommand
 from app.settings.conditions import apply_condition
 from app.settings.config import Config
-from robot.localization.estimate import State
+from robot.localization.estimate import BOUNDED, State
 from sim.simulated import SimSettings
 
 pytestmark = pytest.mark.slow
 
 STOOD = 3.0
-BOUNDED = (State.CERTAIN, State.GIVEN)
-"""What is claimed of a known start, before and after scans have confirmed it."""
 
 
 def claims_of(
