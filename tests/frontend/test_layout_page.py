@@ -261,7 +261,7 @@ class TestNeverStuck:
             lambda now: (
                 now["estimate"]
                 and abs(now["estimate"]["x"] - pose["x"]) < 0.05
-                and now["integrity"]["state"] in ("certain", "approximate")
+                and now["integrity"]["state"] in ("certain", "approximate", "given")
             )
         )
         page.locator("#figure-eight").click()
