@@ -30,7 +30,7 @@ and misleading as often."""
 WIDEST = 5.0
 """A hypothesis wider than this many standard deviations of a range is not refined: its mean may lie
 between two places."""
-DRAWN = 4.0
+DRAWN = 1.4
 """Factor on the covariance of a cloud. Where scans say nothing, as along a single edge, clouds grow
 too narrow: by chance in resampling, and because the errors of scans are correlated. Half and twice:
 nothing changes beyond chance (``--few``)."""
@@ -71,11 +71,10 @@ class Refinement:
             return hypothesis
         known = inverse(hypothesis.covariance + MEAN_ERROR)
         match = self.matcher.match(hypothesis.pose, rays_of(scan, self.max_beams), known)
-        # The information of the scan alone; the reliable part of the cloud's is added below.
-        seen = self.believed * (match.information - known)
-        return replace(
-            hypothesis,
-            pose=match.pose,
-            covariance=inverse(seen + inverse(DRAWN * hypothesis.covariance + MEAN_ERROR))
-            + INEXACT,
-        )
+        # The pose lies between the cloud's and the scan's as their weights here say, so it has its
+        # share of the error of each, which are larger and smaller than these weights.
+        seen = (match.information - known) / self.believed
+        drawn = known @ (DRAWN * hypothesis.covariance + MEAN_ERROR) @ known
+        gain = inverse(match.information)
+        covariance = gain @ (seen + drawn) @ gain + INEXACT
+        return replace(hypothesis, pose=match.pose, covariance=covariance)
