@@ -33,6 +33,10 @@ class NavigationStatus:
     """(n, 2) the way to this goal [m]."""
     planned: float = 0.0
     """When that way was taken [s]: another one has another time."""
+    began: float = 0.0
+    """When the journey began [s]: another one has another time."""
+    since: float = 0.0
+    """Since when it is in this state [s]."""
     on_curve: bool = False
     """Whether it drives along a closed curve, or to it; then there are no goals."""
 
