@@ -83,7 +83,7 @@ class RecordingRun(TopicRoute):
         return " ".join(parts) or None
 
     def wants(self, topic: Topic, stamp: float) -> bool:
-        """Whether the topic is due at its rate; all topics that fit into recordings are recorded."""
+        """Whether the topic is due at its rate; all that fit into recordings are recorded."""
         fit = topic.name not in self._unfit and not topic.only_dds
         return fit and self._pace.due(topic, stamp)
 

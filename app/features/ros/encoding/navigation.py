@@ -115,9 +115,7 @@ def _to_goal(snapshot: Snapshot) -> NavigationStatus | None:
 
 def _goal_id(source: TopicSource, status: NavigationStatus) -> Message:
     number = uuid.uuid5(GOALS, str(source.clock.ns(status.began)))
-    return new(
-        "unique_identifier_msgs/msg/UUID", uuid=np.frombuffer(number.bytes, np.uint8).copy()
-    )
+    return new("unique_identifier_msgs/msg/UUID", uuid=np.frombuffer(number.bytes, np.uint8).copy())
 
 
 def _duration(seconds: float) -> Message:

@@ -6,7 +6,6 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from app.features.ros.message_types import definition, typestore
 from app.features.ros.topics import TOPICS
 
-
 TYPES = {one.type for one in TOPICS if not one.only_dds} | {"std_msgs/msg/Float64"}
 """Of the topics of actions over DDS, nobody is told the definition."""
 
