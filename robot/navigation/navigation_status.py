@@ -22,7 +22,8 @@ class NavigationStatus:
     number: int = 0
     """Number of the goal that it drives to, from 0."""
     reason: str = ""
-    """Why it stands or has failed, in words for people; empty while all is well."""
+    """Why it stands or has failed, or how well it knows only that it has arrived, in words for
+    people; empty while all is well."""
     remaining_m: float = 0.0
     """The way to this goal [m]."""
     remaining_s: float = 0.0
