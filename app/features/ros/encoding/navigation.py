@@ -76,8 +76,8 @@ def goal_status(source: TopicSource, snapshot: Snapshot) -> Message:
         stamp=time(source.clock.ns(status.began)),
     )
     code = OVER.get(status.state, EXECUTING)
-    told = new("action_msgs/msg/GoalStatus", goal_info=info, status=code)
-    return new("action_msgs/msg/GoalStatusArray", status_list=[told])
+    newest = new("action_msgs/msg/GoalStatus", goal_info=info, status=code)
+    return new("action_msgs/msg/GoalStatusArray", status_list=[newest])
 
 
 def feedback_stamp(snapshot: Snapshot) -> float | None:
@@ -96,7 +96,7 @@ def feedback(source: TopicSource, snapshot: Snapshot) -> Message:
         header=header(source, snapshot.stamp, source.settings.global_frame_id),
         pose=pose(snapshot.pose),
     )
-    told = new(
+    progress = new(
         "nav2_msgs/action/NavigateToPose_Feedback",
         current_pose=place,
         navigation_time=_duration(snapshot.stamp - status.began),
@@ -104,7 +104,7 @@ def feedback(source: TopicSource, snapshot: Snapshot) -> Message:
         number_of_recoveries=0,
         distance_remaining=float(status.remaining_m),
     )
-    return new(FEEDBACK, goal_id=_goal_id(source, status), feedback=told)
+    return new(FEEDBACK, goal_id=_goal_id(source, status), feedback=progress)
 
 
 def _to_goal(snapshot: Snapshot) -> NavigationStatus | None:
