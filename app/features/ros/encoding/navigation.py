@@ -91,6 +91,7 @@ def feedback_stamp(snapshot: Snapshot) -> float | None:
 def feedback(source: TopicSource, snapshot: Snapshot) -> Message:
     """nav2_msgs/NavigateToPose_FeedbackMessage: how far it is to the next goal."""
     status = snapshot.added["navigation"]
+    assert snapshot.pose is not None  # as feedback_stamp has it
     place = new(
         "geometry_msgs/msg/PoseStamped",
         header=header(source, snapshot.stamp, source.settings.global_frame_id),
