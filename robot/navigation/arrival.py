@@ -6,6 +6,7 @@ import math
 from enum import Enum
 
 from robot.geometry import Pose2, wrap_angle
+from robot.localization.estimate import Integrity
 from robot.navigation.goal import Goal
 from robot.navigation.sensed import Sensed
 from robot.navigation.settings import NavigationSettings
@@ -18,6 +19,10 @@ MOST_CORRECTIONS = 6
 """So often an end that is too far from its goal is driven to again; then the journey has failed."""
 VAGUE_M = 0.035
 """At a goal where its bound is wider than this, the robot turns around once to see more [m]."""
+VAGUE_RAD = 0.05
+"""A robot that knows its heading no better says so when it arrives [rad]. Half: it says so at 8 of
+19 goals on ``generated-9101``, of which 7 are less than 0.5 degrees off; twice: at the same 2 of
+them, where its bounds are 8.1 and 8.7 degrees, and at the others 1.9 at most."""
 
 
 class WayEnd(Enum):
@@ -46,6 +51,8 @@ class Arrival:
         """Whether the robot shall turn around there to see more."""
         self._sought = False
         """Whether it has."""
+        self.vagueness = ""
+        """How well it knows only where it stands there, in words; empty if it knows it well."""
         self._corrections = 0
         self.leave()
 
@@ -73,11 +80,12 @@ class Arrival:
         """Whether it stands so long that its end can be judged."""
         return self._stands_since is not None and stamp - self._stands_since >= SETTLE_S
 
-    def judge(self, pose: Pose2, goal: Goal, radius: float) -> WayEnd:
-        """Return what is to be done, for a robot whose place is known to a radius [m]."""
+    def judge(self, pose: Pose2, goal: Goal, known: Integrity) -> WayEnd:
+        """Return what is to be done, for a robot whose place is known so well."""
         self.reached = True
         self.leave()
-        if radius > VAGUE_M and not self._sought:
+        self.vagueness = _vagueness(goal, known)
+        if known.radius > VAGUE_M and not self._sought:
             self.seeks = self._sought = True
             return WayEnd.AGAIN
         distance, turned = _beside(pose, goal)
@@ -99,6 +107,16 @@ class Arrival:
             f"{1000 * place:.1f} mm, or a yaw_goal_tolerance above {math.degrees(heading):.1f} "
             "degrees"
         )
+
+
+def _vagueness(goal: Goal, known: Integrity) -> str:
+    """Return in words what a robot does not know well at its goal; empty if it knows all."""
+    if known.radius > VAGUE_M:
+        return f"its place is known to {10 * math.ceil(100 * known.radius)} mm only"
+    if known.heading_bound > VAGUE_RAD and goal.theta is not None:
+        degrees = math.ceil(math.degrees(known.heading_bound))
+        return f"its heading is known to {degrees} degrees only"
+    return ""
 
 
 def _beside(pose: Pose2, goal: Goal) -> tuple[float, float]:

@@ -22,7 +22,8 @@ class NavigationStatus:
     number: int = 0
     """Number of the goal that it drives to, from 0."""
     reason: str = ""
-    """Why it stands or has failed, in words for people; empty while all is well."""
+    """Why it stands or has failed, or how well it knows only that it has arrived, in words for
+    people; empty while all is well."""
     remaining_m: float = 0.0
     """The way to this goal [m]."""
     remaining_s: float = 0.0
@@ -33,6 +34,10 @@ class NavigationStatus:
     """(n, 2) the way to this goal [m]."""
     planned: float = 0.0
     """When that way was taken [s]: another one has another time."""
+    began: float = 0.0
+    """When the journey began [s]: another one has another time."""
+    since: float = 0.0
+    """Since when it is in this state [s]."""
     on_curve: bool = False
     """Whether it drives along a closed curve, or to it; then there are no goals."""
 

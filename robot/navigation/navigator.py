@@ -303,15 +303,15 @@ class Navigator:
         if not self._arrival.stands(tick, pose, trajectory.goal):
             return False
         if self._arrival.has_settled(tick.stamp):
-            self._judge(pose, tick.integrity.radius)
+            self._judge(pose, tick.integrity)
         return True
 
-    def _judge(self, pose: Pose2, radius: float) -> None:
+    def _judge(self, pose: Pose2, known: Integrity) -> None:
         """Go on to the next goal, or come again to this one."""
         if self._curve is not None:  # it stands where the curve begins, or beside it
             self.plan_anew()
             return
-        end = self._arrival.judge(pose, self._goal, radius)
+        end = self._arrival.judge(pose, self._goal, known)
         if end is WayEnd.THERE:
             self._next_goal()
         elif end is WayEnd.AGAIN:
@@ -320,11 +320,12 @@ class Navigator:
             self._end("failed", self._arrival.miss(pose, self._goal))
 
     def _next_goal(self) -> None:
+        vagueness = self._arrival.vagueness
         self._arrival.begin()
         following = self.status.number + 1
         if following >= len(self.status.goals):
             if not self._repeat:
-                self._end("arrived", "")
+                self._end("arrived", vagueness)
                 return
             following = 0
         self.status = replace(self.status, number=following)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import replace
 from functools import cached_property, partial
 
 import numpy as np
@@ -118,7 +119,7 @@ class Pilot:
         else:
             navigator.hold(tick)
             journey.helm.twist = Twist2()
-        self.shown = navigator.status
+        self._show(navigator.status, journey)
         if not navigator.status.active:
             self._journey = None
             controls.driving.stop()
@@ -144,7 +145,7 @@ class Pilot:
         self._future = None
         if before is not None and before.helm.navigator is not None:
             before.helm.navigator.cancel(_why(before, journey, controls))
-            self.shown = before.helm.navigator.status
+            self._show(before.helm.navigator.status, before)
             self._canceled = journey is None and not before.helm.canceled
         if journey is not None:
             self._walls = walls_in(controls.kept)
@@ -152,7 +153,8 @@ class Pilot:
             limits, curve = self._limits(controls.driving.kinematics), None
             if journey.line is not None:
                 follower = LineFollower(journey.line.speed, limits, name=journey.name)
-                journey.helm.navigator, self.shown = follower, follower.status
+                journey.helm.navigator = follower
+                self._show(follower.status, journey)
                 return
             if journey.curve is not None:
                 eight = self._config.figure_eight
@@ -172,7 +174,14 @@ class Pilot:
                 controller=self._choices.controller(journey.controller),
             )
             journey.helm.navigator = navigator
-            self.shown = navigator.status
+            self._show(navigator.status, journey)
+
+    def _show(self, status: NavigationStatus, journey: Journey) -> None:
+        """Show how far a journey is, and since when it is so."""
+        before = self.shown
+        same = before is not None and (before.began, before.state) == (journey.began, status.state)
+        since = before.since if before is not None and same else self._stamp
+        self.shown = replace(status, began=journey.began, since=since)
 
     def _limits(self, drive: DifferentialDrive) -> Limits:
         wheels = (drive.left, drive.right)

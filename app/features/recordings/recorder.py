@@ -83,8 +83,9 @@ class RecordingRun(TopicRoute):
         return " ".join(parts) or None
 
     def wants(self, topic: Topic, stamp: float) -> bool:
-        """Whether the topic is due at its rate; all topics that can be encoded are recorded."""
-        return topic.name not in self._unfit and self._pace.due(topic, stamp)
+        """Whether the topic is due at its rate; all that fit into recordings are recorded."""
+        fit = topic.name not in self._unfit and not topic.only_dds
+        return fit and self._pace.due(topic, stamp)
 
     def take(self, published: Published) -> None:
         """Leave a message for the thread; if there is no room, it is lost and counted."""

@@ -19,6 +19,14 @@ Message = Any
 MORE = {
     "nav2_msgs/msg/Particle": "geometry_msgs/Pose pose\nfloat64 weight\n",
     "nav2_msgs/msg/ParticleCloud": "std_msgs/Header header\nnav2_msgs/Particle[] particles\n",
+    "nav2_msgs/action/NavigateToPose_Feedback": (
+        "geometry_msgs/PoseStamped current_pose\nbuiltin_interfaces/Duration navigation_time\n"
+        "builtin_interfaces/Duration estimated_time_remaining\nint16 number_of_recoveries\n"
+        "float32 distance_remaining\n"
+    ),
+    "nav2_msgs/action/NavigateToPose_FeedbackMessage": (
+        "unique_identifier_msgs/UUID goal_id\nnav2_msgs/action/NavigateToPose_Feedback feedback\n"
+    ),
 }
 """Message types of nav2 (Jazzy), which rosbags does not have."""
 

@@ -49,6 +49,9 @@ class Topic:
     quality: Quality = Quality()
     live: bool = True
     """False: only recorded, because on live routes others publish it."""
+    only_dds: bool = False
+    """True: a hidden topic of an action; recordings have the journey's commands, rosbridge has
+    actions, and readers of recordings refuse names of such types."""
 
 
 class Published:
@@ -167,6 +170,21 @@ TOPICS: tuple[Topic, ...] = (
         "publish_rate",
     ),
     Topic("plan", "nav_msgs/msg/Path", navigation.plan_stamp, navigation.plan),
+    Topic(
+        "navigate_to_pose/_action/status",
+        "action_msgs/msg/GoalStatusArray",
+        navigation.goal_status_stamp,
+        navigation.goal_status,
+        quality=LATCHED,
+        only_dds=True,
+    ),
+    Topic(
+        "navigate_to_pose/_action/feedback",
+        navigation.FEEDBACK,
+        navigation.feedback_stamp,
+        navigation.feedback,
+        only_dds=True,
+    ),
     Topic(
         "cmd_vel",
         "geometry_msgs/msg/TwistStamped",

@@ -114,7 +114,7 @@ function words({ state, remaining_m, remaining_s, reason, number, on_curve }, co
     case "waiting":
       return t("goal: waiting; {why}", { why });
     case "arrived":
-      return t("goal: arrived");
+      return why ? t("goal: arrived; {why}", { why }) : t("goal: arrived");
     case "canceled":
       return t("goal: canceled; {why}", { why });
     default:

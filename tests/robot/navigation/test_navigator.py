@@ -10,6 +10,7 @@ from robot.description.spec import RobotSpec
 from robot.fields.field_loading import load_field
 from robot.geometry import Pose2, Twist2
 from robot.localization.estimate import Integrity, State
+from robot.navigation.arrival import VAGUE_M, VAGUE_RAD
 from robot.navigation.free_space import FreeSpace
 from robot.navigation.goal import Goal
 from robot.navigation.legs import turn
@@ -207,6 +208,22 @@ def test_beside_its_goal_it_has_not_arrived_though_there_is_no_room_to_correct_i
     robot.go(60)
     assert robot.status.state == "arrived"
     assert robot.pose.distance_to(Pose2(0.35, 0.0)) <= SETTINGS.xy_goal_tolerance
+
+
+@pytest.mark.parametrize(
+    ("radius", "bound", "theta", "words"),
+    [
+        (VAGUE_M, VAGUE_RAD, 2.0, ""),
+        (0.061, 0.02, 2.0, "its place is known to 70 mm only"),
+        (0.01, 0.1, 2.0, "its heading is known to 6 degrees only"),
+        (0.01, 0.1, None, ""),
+    ],
+)
+def test_when_it_arrives_it_says_what_it_does_not_know_well(radius, bound, theta, words):
+    robot = Ideal(Goal(0.1, 0.1, theta))
+    robot.believed = Integrity(State.CERTAIN, radius, bound)
+    robot.go(60)
+    assert (robot.status.state, robot.status.reason) == ("arrived", words)
 
 
 def test_without_a_way_it_fails_and_says_why():

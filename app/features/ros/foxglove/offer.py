@@ -111,7 +111,7 @@ class Offer:
         self.publisher = publisher
         self.inbox = inbox
         self.names = Names(inbox)
-        self.topics = tuple(topic for topic in topics() if topic.live)
+        self.topics = tuple(topic for topic in topics() if topic.live and not topic.only_dds)
         self._session = secrets.token_hex(8)
         self._advertised = self._advertise_topics()
 

@@ -13,6 +13,7 @@ from app.engine.driver import Driver
 from app.engine.snapshot import Snapshot
 from app.features.navigation.messages import CancelCommand, GoalMessage, NavigateCommand
 from app.features.ros.encoding.frames import SECOND_NS, header, pose
+from app.features.ros.encoding.navigation import ABORTED, CANCELED, FEEDBACK_S, SUCCEEDED
 from app.features.ros.inbox import Inbox
 from app.features.ros.incoming import goal_of
 from app.features.ros.message_types import Message, MessageError, new
@@ -22,12 +23,8 @@ from robot.geometry import Pose2
 from robot.navigation.navigation_status import NavigationStatus
 from robot.worker_thread import WorkerThread
 
-SUCCEEDED, CANCELED, ABORTED = 4, 5, 6
-"""Codes of action_msgs/msg/GoalStatus."""
 UNKNOWN_ERROR = 9000
 """nav2's error code of its navigators for what it has no other one."""
-FEEDBACK_S = 0.2
-"""Time between two messages of feedback [s]."""
 BEGINS_S = 3.0
 """A goal that no tick shows within this time [s] was lost."""
 

@@ -148,10 +148,11 @@ class Names:
     def _may_be_heard(self, topic: Topic) -> bool:
         """Whether clients may subscribe to the topic.
 
+        Its actions tell them what the topics of actions do over DDS.
         A name has only one type: if cmd_vel is received as Twist, it is not sent as TwistStamped.
         """
         given = self.incoming.get(topic.name)
-        return given is None or given.type == topic.type
+        return not topic.only_dds and (given is None or given.type == topic.type)
 
 
 def check_type(topic: Topic | IncomingTopic | Service, type_name: str | None) -> None:

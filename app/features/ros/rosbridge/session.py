@@ -10,9 +10,10 @@ from typing import Any
 from app.engine.driver import Driver
 from app.engine.mailboxes.outbox import Outbox
 from app.engine.problems import CLIENTS_LOG
+from app.features.ros.encoding.navigation import ABORTED
 from app.features.ros.message_types import MessageError
 from app.features.ros.publisher import TopicRoute
-from app.features.ros.rosbridge.actions import ABORTED, ActionGoal
+from app.features.ros.rosbridge.actions import ActionGoal
 from app.features.ros.rosbridge.bridge import PACKAGE, SET_PARAM, Bridge
 from app.features.ros.rosbridge.names import check_type
 from app.features.ros.rosbridge.reading import message_of

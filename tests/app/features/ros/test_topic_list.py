@@ -17,7 +17,13 @@ def test_only_what_others_publish_is_not_live():
 
 def test_who_comes_late_gets_what_stays():
     latched = {one.name for one in TOPICS if one.quality.latched}
-    assert latched == {"map", "tf_static", "amcl_pose", "robot_description"}
+    assert latched == {
+        "map",
+        "tf_static",
+        "amcl_pose",
+        "robot_description",
+        "navigate_to_pose/_action/status",
+    }
 
 
 def test_the_fields_map_never_changes():

@@ -73,7 +73,7 @@ def flat(pose) -> list[float]:
     ]
 
 
-SILENT = {"battery_state", "plan"}
+SILENT = {"battery_state", "plan"} | {one.name for one in TOPICS if one.only_dds}
 """The kinematic robot measures no voltage, and nobody sends it anywhere."""
 
 

@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 import pytest
 from dds_rig import BATTERY_V, PLAIN, STAMPED, decoded, rig_and_peer, stamped, twist
+from journeys import KNOWN, RENEW
 from mcap_ros2._dynamic import generate_dynamic
 from ros_messages import topic
 
@@ -14,6 +15,7 @@ from app.features.navigation.messages import NavigateCommand
 from app.features.ros.dds import route
 from app.features.ros.encoding import motion, sensors
 from app.features.ros.encoding.frames import header, pose, pose_with_covariance
+from app.features.ros.encoding.navigation import CANCELED, EXECUTING, SUCCEEDED
 from app.features.ros.message_types import new, to_cdr, type_hash
 from app.features.ros.topics import TOPICS, topics
 from app.messages.commands import SetPoseCommand
@@ -28,6 +30,9 @@ pytestmark = pytest.mark.skipif(missing() is not None, reason=str(missing()))
 LIVE = [one for one in TOPICS if one.live]
 SENSOR_DATA = ("scan", "particle_cloud", "camera/image/compressed", "camera/camera_info")
 """Read with best effort, as RViz and nav2 read them."""
+STATUS, FEEDBACK = "navigate_to_pose/_action/status", "navigate_to_pose/_action/feedback"
+OF_A_GOAL = ("plan", STATUS, FEEDBACK)
+"""Nothing comes of these while nobody sends the robot anywhere."""
 
 GRAPH = "rmw_dds_common/msg/ParticipantEntitiesInfo"
 GRAPH_DEFINITION = """Gid gid
@@ -42,6 +47,38 @@ string<=256 node_name
 Gid[] reader_gid_seq
 Gid[] writer_gid_seq
 """
+FAR = "brickpose_test/msg/Feedback"
+FAR_DEFINITION = """uint8[16] goal_id
+geometry_msgs/PoseStamped current_pose
+builtin_interfaces/Duration navigation_time
+builtin_interfaces/Duration estimated_time_remaining
+int16 number_of_recoveries
+float32 distance_remaining
+================================================================================
+MSG: geometry_msgs/PoseStamped
+std_msgs/Header header
+geometry_msgs/Pose pose
+================================================================================
+MSG: std_msgs/Header
+builtin_interfaces/Time stamp
+string frame_id
+================================================================================
+MSG: geometry_msgs/Pose
+geometry_msgs/Point position
+geometry_msgs/Quaternion orientation
+================================================================================
+MSG: geometry_msgs/Point
+float64 x
+float64 y
+float64 z
+================================================================================
+MSG: geometry_msgs/Quaternion
+float64 x
+float64 y
+float64 z
+float64 w
+"""
+"""nav2's feedback with its goal's number, as its IDL has it; the decoder refuses its name."""
 
 
 @pytest.fixture(scope="module")
@@ -91,7 +128,7 @@ def xy(pose):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", [one.name for one in LIVE if one.name != "plan"])
+@pytest.mark.parametrize("name", [one.name for one in LIVE if one.name not in OF_A_GOAL])
 def test_every_topic_arrives_with_the_type_that_it_is_announced_with(rig, peer, name):
     arrived(peer, name)
     written = peer.wait("writer", f"rt/{name}")
@@ -307,6 +344,64 @@ def test_a_goal_of_a_foreign_program_sends_the_robot_there(rig, peer):
     rig.until(lambda now: now.added["navigation"].path is not None)
     last = arrived(peer, "plan").poses[-1].pose.position
     assert (last.x, last.y) == pytest.approx((0.1, 0.05), abs=0.002)
+
+
+def send_goal(rig, peer, place):
+    """Send a goal; returns how many events there were before."""
+    message = new(
+        "geometry_msgs/msg/PoseStamped", header=header(rig.source, 0.0, "map"), pose=pose(place)
+    )
+    before = len(peer.events)
+    peer.send("rt/goal_pose", to_cdr(message, "geometry_msgs/msg/PoseStamped"))
+    return before
+
+
+def number_of_goal(peer, code, after=0):
+    """The number of the newest goal, as soon as it has a status."""
+
+    def told(event):
+        (status,) = decoded(bytes.fromhex(event[3]), topic(STATUS).type).status_list
+        return status
+
+    event = peer.wait("data", f"rt/{STATUS}", lambda event: told(event).status == code, after)
+    return bytes(told(event).goal_info.goal_id.uuid)
+
+
+def test_a_foreign_program_hears_how_far_its_goal_is_and_that_it_was_reached():
+    with rig_and_peer(Peer) as (rig, peer):
+        peer.read(f"rt/{STATUS}", topic(STATUS).type, latched=True)
+        peer.read(f"rt/{FEEDBACK}", topic(FEEDBACK).type)
+        peer.write("rt/goal_pose", "geometry_msgs/msg/PoseStamped")
+        peer.wait("matched", "rt/goal_pose")
+        rig.program.engine.commands.put(KNOWN)
+        send_goal(rig, peer, Pose2(0.1, 0.05, 0.5))
+        # In a whole program, the server renews it.
+        rig.until(
+            lambda now: getattr(now.added.get("navigation"), "state", "") == "arrived",
+            lambda: rig.program.engine.commands.put(RENEW),
+        )
+        number = number_of_goal(peer, EXECUTING)
+        far = generate_dynamic(FAR, FAR_DEFINITION)[FAR](peer.data(f"rt/{FEEDBACK}"))
+        assert bytes(far.goal_id) == number
+        assert far.number_of_recoveries == 0
+        at = tick(rig, far.current_pose.header)
+        assert xy(far.current_pose.pose) == [at.pose.x, at.pose.y]
+        status = at.added["navigation"]
+        assert far.distance_remaining == pytest.approx(status.remaining_m)
+        left = far.estimated_time_remaining
+        assert left.sec + left.nanosec / 1e9 == pytest.approx(status.remaining_s)
+        assert number_of_goal(peer, SUCCEEDED) == number
+        # Who comes late hears it, too.
+        with Peer(rig.domain) as late:
+            late.read(f"rt/{STATUS}", topic(STATUS).type, latched=True)
+            assert number_of_goal(late, SUCCEEDED) == number
+
+
+def test_a_foreign_program_ends_its_goal_by_a_drive_and_hears_that_it_was_canceled(rig, peer):
+    before = send_goal(rig, peer, Pose2(0.1, 0.05, 0.5))
+    number = number_of_goal(peer, EXECUTING, before)
+    peer.send("rt/cmd_vel", stamped(rig.source, 0.0))
+    assert number_of_goal(peer, CANCELED, before) == number
 
 
 def test_names_and_the_type_of_drives_are_a_matter_of_settings():
