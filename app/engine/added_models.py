@@ -9,9 +9,11 @@ from types import MappingProxyType
 
 from app.settings.config import Config
 from robot.fields.field import Field
+from robot.geometry import Pose2
 from robot.localization.models.motion_models import MotionModel
 from robot.localization.models.sensor_models import SensorModel
 from robot.localization.parameters import LocalizationParameters
+from robot.scan import Scan
 
 InUse = tuple[SensorModel | None, MotionModel | None]
 
@@ -71,6 +73,10 @@ class AddedModels:
 
     def put_back(self, in_use: InUse, parameters: LocalizationParameters) -> None:
         """Go on with what was in use before, by the same choice, made with these parameters."""
+
+    def cleared(self, scan: Scan, odometry: Pose2) -> Scan:
+        """Return a scan without what is no tape on the floor; ``odometry`` is at its stamp."""
+        return scan
 
     def note_update(self) -> None:
         """Note that the filter has taken a scan, whether it has asked a model or not."""

@@ -167,6 +167,8 @@ class Localization(Follower):
 
     def take(self, scan: Scan, pose: Pose2) -> None:
         """Update the filter with a scan, and the odometry's pose at its stamp."""
+        for models in self.added:
+            scan = models.cleared(scan, pose)
         self.newest = scan, pose
         if self.by_hand.enabled:
             return

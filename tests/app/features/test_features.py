@@ -64,6 +64,7 @@ NAMES = [
     "mapping",
     "navigation",
     "own_models",
+    "own_shadow",
     "picture_odometry",
     "recordings",
     "reverse_proxy",
