@@ -59,8 +59,12 @@ class StudentClient:
         while time.monotonic() < end:
             if time.monotonic() >= next_try:
                 # While a hub is begun again, its proxy says that it does not answer.
-                with suppress(HTTPError):
-                    self._opener.open(self._link, timeout=PATIENCE_S).close()
+                with (
+                    suppress(HTTPError),
+                    self._opener.open(self._link, timeout=PATIENCE_S) as answer,
+                ):
+                    if answer.url.startswith(self._page):
+                        return
                 next_try = time.monotonic() + AGAIN_S
             with (
                 suppress(HTTPError),

@@ -19,6 +19,7 @@ from urllib.parse import urlsplit
 from urllib.request import ProxyHandler, build_opener
 
 from app.console import say
+from app.engine.compiling.terminal import compile_first
 from app.features.classroom.class_folder import ClassFolder
 from app.features.classroom.links_page import link_of, write_links
 from app.features.classroom.roster import TEACHER, Student, read_roster
@@ -177,6 +178,7 @@ def _keep_running(
         if process is not None:
             process.terminate()
 
+    compile_first()  # else each student would wait for that
     with suppress(WarmParentError):  # then each server starts by itself
         start_parent(folder.warm_socket)
     process: subprocess.Popen[bytes] | None = None

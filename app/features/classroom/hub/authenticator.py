@@ -72,6 +72,12 @@ class EnterHandler(BaseHandler):
         else:
             await until_ended(user.spawner)
             note_use(user.spawner, self.db)
-            own = f"{self.settings['base_url']}user/{user.escaped_name}/"
-            following = urlencode({"next": f"{own}learn/1"})
-            self.redirect(f"{self.hub.base_url}spawn/{user.escaped_name}?{following}")
+            own = f"{self.settings['base_url']}user/{user.escaped_name}/learn/1"
+            if not user.spawner.active:
+                # The hub's own way is a page that waits, and three redirects: a copy is quicker.
+                await self.spawn_single_user(user)
+            if user.spawner.ready:
+                self.redirect(own)
+            else:  # a slow one, or one that another page waits for
+                following = urlencode({"next": own})
+                self.redirect(f"{self.hub.base_url}spawn/{user.escaped_name}?{following}")

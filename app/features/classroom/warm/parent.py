@@ -10,6 +10,7 @@ import ctypes
 import gc
 import importlib
 import json
+import mimetypes
 import os
 import pkgutil
 import signal
@@ -27,7 +28,8 @@ from app.features.classroom.warm.request import ENDED, LONGEST, CopyRequest
 from app.features.classroom.warm.watch import LOOK_S, ClassWatch
 
 STEPS = 20
-"""Ticks that a robot is driven before, so that what is made at a first tick is shared, too."""
+"""Ticks before, half of them driven, so that what is made at a first tick and at a first drive is
+shared, too."""
 ALONE_S = 10.0
 THP_DISABLE = 41
 """``prctl``: no huge pages. NumPy asks for them, and a byte that is written then costs 2 MB."""
@@ -108,9 +110,9 @@ class WarmParent:
         try:
             request = CopyRequest.from_json(json.loads(line))
             confinement = request.confinement
-            self._watch.clear(confinement)
+            self._watch.clear(confinement, died=request.died)
             longest = self._watch.longest_file(confinement, MOST_FILE)
-            why_ended = self._watch.ended.pop(confinement.home, "")
+            why_ended = self._watch.ended.get(confinement.home, "")
             pid = os.fork()
         except (OSError, ValueError, TypeError, KeyError) as error:
             connection.sendall(json.dumps({"error": str(error)}).encode() + b"\n")
@@ -183,12 +185,21 @@ def get_warm() -> None:
     from app.engine.plugging import plug_in  # noqa: PLC0415
     from app.feature_search import find_features  # noqa: PLC0415
     from app.features.control.starting import share_with_forks  # noqa: PLC0415
+    from app.features.course.learn_command import suited  # noqa: PLC0415
+    from app.features.ros.topics import topics  # noqa: PLC0415
+    from app.messages.driving_commands import DriveCommand  # noqa: PLC0415
     from app.settings.config import Config  # noqa: PLC0415
 
     plug_in(find_features())
+    # Telemetry tells of topics that fail, so it has the classes of all of ROS 2's messages made.
+    topics()
+    mimetypes.init()
     for robot in ("kinematic", "auto"):
-        program: Any = build_program(Config(robot=robot))
-        for _ in range(STEPS):
+        config = suited(Config(robot=robot), 1, map_given=False)
+        program: Any = build_program(config)
+        for tick in range(STEPS):
+            if tick >= STEPS // 2:
+                program.engine.commands.put(DriveCommand(type="drive", v=0.1, omega=0.5))
             program.engine.step()
         program.robot.close()
         share_with_forks(program)
