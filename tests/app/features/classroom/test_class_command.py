@@ -92,6 +92,25 @@ def test_a_hub_of_another_version_is_refused(version, students, installed, capsy
     assert f"JupyterHub {version} is installed; valid is 5 up to, but without, 7" in err
 
 
+def test_a_proxy_that_is_not_there_or_has_no_node_is_told(
+    students, installed, capsys, monkeypatch, tmp_path
+):
+    monkeypatch.setenv(class_command.OTHER_PROXY, "no-such-proxy --log-level debug")
+    code, err = refused(capsys, students)
+    assert code == 1
+    assert "BRICKPOSE_PROXY is 'no-such-proxy', and there is no such program" in err
+    script = tmp_path / "npms-proxy"
+    script.write_text("#!/usr/bin/env node\n")
+    script.chmod(0o755)
+    monkeypatch.setenv(class_command.OTHER_PROXY, str(script))
+    monkeypatch.setenv("PATH", str(tmp_path))
+    code, err = refused(capsys, students)
+    assert code == 1
+    assert "which needs node, and node is not there" in err
+    (tmp_path / "node").symlink_to("/bin/true")
+    assert main(["class", str(students), "--write-only"]) == 0
+
+
 @pytest.mark.slow
 @needs_hub
 def test_a_hub_that_ends_at_once_is_told_with_its_log(students, monkeypatch, tmp_path):

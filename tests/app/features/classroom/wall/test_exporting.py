@@ -1,4 +1,4 @@
-"""The archive of a class's recordings: a folder for each student, nothing outside, no more than fits."""
+"""The archive of a class's recordings: a folder for each student, and no more than fits."""
 
 from __future__ import annotations
 
