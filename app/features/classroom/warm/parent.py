@@ -10,7 +10,6 @@ import ctypes
 import gc
 import importlib
 import json
-import mimetypes
 import os
 import pkgutil
 import signal
@@ -25,6 +24,7 @@ from typing import Any
 
 from app.features.classroom.warm.confinement import MOST_FILE, confine
 from app.features.classroom.warm.request import ENDED, LONGEST, CopyRequest
+from app.features.classroom.warm.serving import serve_once
 from app.features.classroom.warm.watch import LOOK_S, ClassWatch
 
 STEPS = 20
@@ -176,7 +176,7 @@ def _import_all() -> None:
 
 
 def get_warm() -> None:
-    """Import what a server needs, and drive a robot for a moment."""
+    """Import what a server needs, drive a robot for a moment, and serve one to a page."""
     import cv2  # noqa: PLC0415 - its threads would not be in a copy
 
     cv2.setNumThreads(0)
@@ -186,14 +186,10 @@ def get_warm() -> None:
     from app.feature_search import find_features  # noqa: PLC0415
     from app.features.control.starting import share_with_forks  # noqa: PLC0415
     from app.features.course.learn_command import suited  # noqa: PLC0415
-    from app.features.ros.topics import topics  # noqa: PLC0415
     from app.messages.driving_commands import DriveCommand  # noqa: PLC0415
     from app.settings.config import Config  # noqa: PLC0415
 
     plug_in(find_features())
-    # Telemetry tells of topics that fail, so it has the classes of all of ROS 2's messages made.
-    topics()
-    mimetypes.init()
     for robot in ("kinematic", "auto"):
         config = suited(Config(robot=robot), 1, map_given=False)
         program: Any = build_program(config)
@@ -203,6 +199,7 @@ def get_warm() -> None:
             program.engine.step()
         program.robot.close()
         share_with_forks(program)
+    serve_once()
     end = time.monotonic() + ALONE_S
     while len(list(Path("/proc/self/task").iterdir())) > 1:
         if time.monotonic() > end:

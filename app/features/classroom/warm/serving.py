@@ -48,7 +48,7 @@ def serve_once() -> None:
 @contextmanager
 def _elsewhere() -> Iterator[None]:
     """Be in a folder that is removed, with an environment of one's own."""
-    before, here, words = dict(os.environ), os.getcwd(), sys.argv  # noqa: PTH109 - to go back
+    before, folder, words = dict(os.environ), os.getcwd(), sys.argv  # noqa: PTH109 - to go back
     with tempfile.TemporaryDirectory() as home:
         os.chdir(home)
         for name in ("HOME", "XDG_DATA_HOME", "XDG_STATE_HOME"):
@@ -56,7 +56,7 @@ def _elsewhere() -> Iterator[None]:
         try:
             yield
         finally:
-            os.chdir(here)
+            os.chdir(folder)
             os.environ.clear()
             os.environ.update(before)
             sys.argv = words
