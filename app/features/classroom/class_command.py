@@ -113,6 +113,11 @@ def _check_options(parsed: argparse.Namespace) -> None:
         raise SettingError(f"--address is {address!r}; valid is http://NAME:PORT")
     if sys.platform == "win32":
         raise ClassError("JupyterHub does not run on Windows; valid are Linux and macOS, or WSL")
+    if parsed.notebook and os.geteuid() == 0:
+        raise ClassError(
+            "--notebook as root would make each student root; valid is another user, or a class "
+            "without --notebook, whose students have users of their own"
+        )
 
 
 def _check_packages(*, notebook: bool) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.metadata
 import importlib.util
+import os
 import socket
 
 import pytest
@@ -61,6 +62,17 @@ def test_a_wrong_option_is_refused(words, told, students, installed, capsys):
     code, err = refused(capsys, students, *words)
     assert (code, told in err) == (2, True), err
     assert not students.with_suffix(".class").exists()
+
+
+def test_notebooks_of_root_are_refused_and_others_written(students, installed, capsys, monkeypatch):
+    monkeypatch.setattr(os, "geteuid", lambda: 0)
+    code, err = refused(capsys, students, "--notebook", "--write-only")
+    assert code == 1
+    assert "--notebook as root would make each student root; valid is another user" in err
+    monkeypatch.setattr(os, "geteuid", lambda: 1000)
+    assert main(["class", str(students), "--notebook", "--write-only"]) == 0
+    text = (students.with_suffix(".class") / "jupyterhub_config.py").read_text()
+    assert "notebook=True" in text
 
 
 @pytest.mark.parametrize("number", range(4))
