@@ -8,11 +8,13 @@ RUN python -m venv /opt/brickpose \
 
 FROM python:3.13-slim-trixie
 COPY --from=build /opt/brickpose /opt/brickpose
-RUN useradd --create-home --uid 1000 driver
+RUN useradd --create-home --uid 1000 driver \
+ && install --directory --owner 1000 --group 1000 --mode 700 /var/cache/brickpose
 USER 1000
 # Recordings, profiles and a student's file are written here; -v keeps them.
 WORKDIR /home/driver
-ENV PATH=/opt/brickpose/bin:$PATH NUMBA_CACHE_DIR=/home/driver/.cache/brickpose
+# What is compiled lies outside of the home, which a hub's volume hides.
+ENV PATH=/opt/brickpose/bin:$PATH NUMBA_CACHE_DIR=/var/cache/brickpose
 # What would be compiled at the first start.
 RUN python -m app.tools.warm_up
 EXPOSE 8080

@@ -7,7 +7,8 @@ import traceback
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, is_dataclass, replace
-from importlib.metadata import EntryPoint, entry_points
+from functools import lru_cache
+from importlib.metadata import Distribution, EntryPoint, entry_points
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, ParamSpec, TypeVar
 
@@ -195,7 +196,7 @@ def find_features(without: Sequence[str] = (), taken: Iterable[str] = ()) -> Fea
     for entry in known:
         if entry.name in without:
             continue
-        package = OURS if entry.dist is None else entry.dist.name
+        package = OURS if entry.dist is None else _name_of(entry.dist)
         if packages.setdefault(entry.name, package) != package:
             failures.append(_twins(entry.name, package, packages[entry.name]))
             continue
@@ -220,8 +221,14 @@ def declared() -> Iterator[EntryPoint]:
     for name, target in project.get("entry-points", {}).get(GROUP, {}).items():
         yield EntryPoint(name, target, GROUP)
     for entry in entry_points(group=GROUP):
-        if not (project and entry.dist is not None and entry.dist.name == OURS):
+        if not (project and entry.dist is not None and _name_of(entry.dist) == OURS):
             yield entry
+
+
+@lru_cache(maxsize=64)
+def _name_of(package: Distribution) -> str:
+    """Return a package's name; each time it is read from its file."""
+    return package.name
 
 
 def _project() -> dict[str, Any]:

@@ -35,6 +35,7 @@ from benchmarks.programs import started
 MOVED_M = 0.005
 PATIENCE_S = 120.0
 AGAIN_S = 10.0
+REFUSED_S = 0.2
 AWAKE_S = 20.0
 QUIET_S = 20.0
 
@@ -58,10 +59,14 @@ class StudentClient:
         end, next_try = time.monotonic() + PATIENCE_S, 0.0
         while time.monotonic() < end:
             if time.monotonic() >= next_try:
-                # While a hub is begun again, its proxy says that it does not answer.
-                with suppress(HTTPError):
-                    self._opener.open(self._link, timeout=PATIENCE_S).close()
                 next_try = time.monotonic() + AGAIN_S
+                try:
+                    with self._opener.open(self._link, timeout=PATIENCE_S) as answer:
+                        if answer.url.startswith(self._page):
+                            return
+                except HTTPError:
+                    # While a hub is begun again, its proxy says that it does not answer.
+                    next_try = time.monotonic() + REFUSED_S
             with (
                 suppress(HTTPError),
                 self._opener.open(self._page, timeout=PATIENCE_S) as answer,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from functools import cache
 from typing import Any, get_args
 
 from pydantic import TypeAdapter
@@ -34,8 +35,13 @@ def parts_of(messages: Iterable[type[Message]]) -> Iterator[type[Message]]:
         if message not in seen:
             seen.add(message)
             yield message
-            for field in message.model_fields.values():
-                pending += _messages_in(field.annotation)
+            pending += _inside(message)
+
+
+@cache
+def _inside(message: type[Message]) -> tuple[type[Message], ...]:
+    fields = message.model_fields.values()
+    return tuple(part for field in fields for part in _messages_in(field.annotation))
 
 
 def _messages_in(annotation: Any) -> list[type[Message]]:

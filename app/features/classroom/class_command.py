@@ -7,6 +7,7 @@ import importlib.metadata
 import importlib.util
 import os
 import re
+import shutil
 import signal
 import socket
 import subprocess
@@ -19,7 +20,9 @@ from urllib.parse import urlsplit
 from urllib.request import ProxyHandler, build_opener
 
 from app.console import say
+from app.engine.compiling.terminal import compile_first
 from app.features.classroom.class_folder import ClassFolder
+from app.features.classroom.hub_client import OTHER_PROXY
 from app.features.classroom.links_page import link_of, write_links
 from app.features.classroom.roster import TEACHER, Student, read_roster
 from app.features.classroom.warm.ending import end_copies, end_proxy, end_services
@@ -110,6 +113,11 @@ def _check_options(parsed: argparse.Namespace) -> None:
         raise SettingError(f"--address is {address!r}; valid is http://NAME:PORT")
     if sys.platform == "win32":
         raise ClassError("JupyterHub does not run on Windows; valid are Linux and macOS, or WSL")
+    if parsed.notebook and os.geteuid() == 0:
+        raise ClassError(
+            "--notebook as root would make each student root; valid is another user, or a class "
+            "without --notebook, whose students have users of their own"
+        )
 
 
 def _check_packages(*, notebook: bool) -> None:
@@ -125,6 +133,23 @@ def _check_packages(*, notebook: bool) -> None:
             f"JupyterHub {version} is installed; valid is {HUB[0]} up to, but without, {HUB[1]}: "
             f"{CURE}"
         )
+    other = os.environ.get(OTHER_PROXY, "").split()
+    if other and shutil.which(other[0]) is None:
+        raise ClassError(
+            f"{OTHER_PROXY} is {other[0]!r}, and there is no such program; without {OTHER_PROXY} "
+            "the proxy in Python is used, which needs no node"
+        )
+    if other and _needs_node(other[0]) and shutil.which("node") is None:
+        raise ClassError(
+            f"{OTHER_PROXY} is {other[0]!r}, which needs node, and node is not there; without "
+            f"{OTHER_PROXY} the proxy in Python is used"
+        )
+
+
+def _needs_node(program: str) -> bool:
+    """Whether a program is a script of node's, as all of npm's are."""
+    with open(shutil.which(program) or program, "rb") as file:  # noqa: PTH123 - what PATH has
+        return b"node" in file.readline(100)
 
 
 def _check_ports(host: str, port: int, *, shared: bool) -> None:
@@ -177,6 +202,7 @@ def _keep_running(
         if process is not None:
             process.terminate()
 
+    compile_first()  # else each student would wait for that
     with suppress(WarmParentError):  # then each server starts by itself
         start_parent(folder.warm_socket)
     process: subprocess.Popen[bytes] | None = None

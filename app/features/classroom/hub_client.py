@@ -17,6 +17,8 @@ from robot.settings import SettingError
 ANSWER_S = 10.0
 SHARED_ROBOT = "BRICKPOSE_SHARED_ROBOT"
 """In the environment of students' servers and the wall, if the class shares a robot."""
+OTHER_PROXY = "BRICKPOSE_PROXY"
+"""In the environment of ``brickpose class``: how another proxy is started, as npm's."""
 NEEDED = (
     "JUPYTERHUB_API_URL", "JUPYTERHUB_API_TOKEN", "JUPYTERHUB_CLIENT_ID",
     "JUPYTERHUB_SERVICE_PREFIX", "JUPYTERHUB_SERVICE_URL", "JUPYTERHUB_OAUTH_CALLBACK_URL",

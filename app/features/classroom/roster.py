@@ -41,7 +41,8 @@ def read_roster(path: Path) -> tuple[Student, ...]:
     spreadsheets write it. Else each line is one name, with whatever commas are in it.
 
     Raises:
-        RosterError: it cannot be read, has no name, or a name twice.
+        RosterError: it cannot be read, has no name, or a name twice; or it is a table without
+            that column. With commas that cannot be told from "Lovelace, Ada".
     """
     named: dict[str, tuple[str, int]] = {}
     for line, name in _names(_text(path), path):
@@ -97,6 +98,11 @@ def _names(text: str, path: Path) -> Iterator[tuple[int, str]]:
     delimiter = max(DELIMITERS, key=(lines or [""])[0].count)
     header = [cell.strip().strip('"').lower() for cell in (lines or [""])[0].split(delimiter)]
     if NAME not in header:
+        if delimiter != "," and len(header) > 1:
+            raise RosterError(
+                f"{path} is a table without a column {NAME!r}; its columns are "
+                f"{', '.join(header)}; valid is one of that name, or a name a line"
+            )
         for number, line in enumerate(lines, 1):
             name = " ".join(line.strip().strip('"').split())
             if name:

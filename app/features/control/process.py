@@ -98,7 +98,8 @@ def control(
     sys.setswitchinterval(HAND_OVER_S)
     come_first()
     cv2.setNumThreads(1)
-    plug_in(find_features(without))
+    if ring is None:  # a fork has what its server has plugged in
+        plug_in(find_features(without))
     _ControlProcess(connection, ring, shared).work(config)
 
 

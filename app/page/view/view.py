@@ -7,7 +7,7 @@ import hashlib
 import io
 import threading
 from collections.abc import Iterable
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 
 import anyio
@@ -71,8 +71,7 @@ class View:
         self._latest = latest
         self.failure: str | None = None
         """Why the view stopped, if it failed."""
-        self._page = _page()
-        self._tag = f'"{hashlib.sha256(self._page).hexdigest()[:16]}"'
+        self._page, self._tag = _page()
 
     @property
     def _scene(self) -> Scene:
@@ -125,7 +124,10 @@ class View:
             self._server.stop()
 
 
-def _page() -> bytes:
+@cache
+def _page() -> tuple[bytes, str]:
+    """Return viser's page and its tag."""
     page = PAGE.read_bytes()
     head = page.index(b"<head>") + len(b"<head>")
-    return page[:head] + INJECTED_HTML + page[head:]
+    page = page[:head] + INJECTED_HTML + page[head:]
+    return page, f'"{hashlib.sha256(page).hexdigest()[:16]}"'

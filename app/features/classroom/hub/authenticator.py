@@ -19,6 +19,8 @@ from app.features.classroom.roster import TEACHER
 
 ENDING_S, LOOK_S = 20.0, 0.05
 """A robot ends within 5 s, and is killed else [s]."""
+FIRST_PAGE = "/learn/1"
+"""What a link leads to, unless the server is another one (``--notebook``)."""
 UNKNOWN = "There is no such link: ask for yours again."
 
 
@@ -58,6 +60,11 @@ def note_use(spawner: Any, db: Any) -> None:
         db.commit()
 
 
+def first_page(spawner: Any) -> str:
+    """Return which page of a student's server a link opens."""
+    return spawner.default_url or FIRST_PAGE
+
+
 class EnterHandler(BaseHandler):
     """Opens a student's robot, or the teacher's wall."""
 
@@ -72,6 +79,12 @@ class EnterHandler(BaseHandler):
         else:
             await until_ended(user.spawner)
             note_use(user.spawner, self.db)
-            own = f"{self.settings['base_url']}user/{user.escaped_name}/"
-            following = urlencode({"next": f"{own}learn/1"})
-            self.redirect(f"{self.hub.base_url}spawn/{user.escaped_name}?{following}")
+            own = f"{self.settings['base_url']}user/{user.escaped_name}{first_page(user.spawner)}"
+            if not user.spawner.active:
+                # The hub's own way is a page that waits, and three redirects: a copy is quicker.
+                await self.spawn_single_user(user)
+            if user.spawner.ready:
+                self.redirect(own)
+            else:  # a slow one, or one that another page waits for
+                following = urlencode({"next": own})
+                self.redirect(f"{self.hub.base_url}spawn/{user.escaped_name}?{following}")

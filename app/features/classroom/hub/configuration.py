@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import os
 import sys
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 from app.features.classroom.class_folder import ClassFolder
-from app.features.classroom.hub_client import SHARED_ROBOT
+from app.features.classroom.hub_client import OTHER_PROXY, SHARED_ROBOT
 from app.features.classroom.roster import TEACHER
 
 START_S = 120
@@ -50,7 +51,10 @@ def configure(
     place = ClassFolder(Path(folder))
     c.JupyterHub.bind_url = f"http://{host}:{port}/"
     c.JupyterHub.hub_bind_url = f"http://127.0.0.1:{port + 1}/"
-    c.JupyterHub.db_url = f"sqlite:///{place.path / 'jupyterhub.sqlite'}"
+    # A hub refuses the database of another version; what lasts of a class is in its folder.
+    database = place.path / f"jupyterhub-{version('jupyterhub').partition('.')[0]}.sqlite"
+    c.JupyterHub.db_url = f"sqlite:///{database}"
+    c.JupyterHub.upgrade_db = True
     c.JupyterHub.cookie_secret_file = str(place.path / "cookie_secret")
     c.JupyterHub.authenticator_class = f"{__package__}.authenticator.LinkAuthenticator"
     c.LinkAuthenticator.folder = folder
@@ -145,4 +149,4 @@ def _culler(folder: ClassFolder, idle_s: int) -> dict[str, Any]:
 def proxy_command() -> list[str]:
     """Return how the hub's proxy is started: the one in Python, so that no node is needed."""
     own = [sys.executable, "-m", f"{__package__}.proxy_server"]
-    return os.environ.get("BRICKPOSE_PROXY", "").split() or own
+    return os.environ.get(OTHER_PROXY, "").split() or own

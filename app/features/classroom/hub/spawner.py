@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import os
 import time
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -20,6 +21,7 @@ from app.features.classroom.warm.request import WarmParentError as NotWarmError
 
 FIRST_START = "BRICKPOSE_CLASS_STARTS"
 """In the environment of a hub that is not one begun again."""
+LOOK_S = 0.01
 MOST_STARTS = 5
 WITHIN_S = 60.0
 """A server that died so often within this time [s] is left dead: its files may kill it."""
@@ -34,6 +36,11 @@ class StudentSpawner(SimpleLocalProcessSpawner):
     started_at = Float(0.0)
     request = Dict()
     starts = List()
+
+    def __init__(self, *words: Any, **named: Any) -> None:
+        super().__init__(*words, **named)
+        # Pages and the clock may ask at once: the second would replace what the first has begun.
+        self._polling = asyncio.Lock()
 
     def _default_home_dir(self) -> str:
         return str(self._folder.home_of(self.user.name))
@@ -73,17 +80,18 @@ class StudentSpawner(SimpleLocalProcessSpawner):
         except NotWarmError as error:
             self.log.warning("%s's server starts cold: %s", self.user.name, error)
             return await self._start_cold()
+        await until_listening(port, lambda: _started_at(self.pid) == self.started_at)
         return str(self.ip or "127.0.0.1"), port
 
     async def _start_cold(self) -> tuple[str, int]:
         host, port = await super().start()
         return str(host), int(port)
 
-    async def _copy(self) -> None:
+    async def _copy(self, *, died: bool = False) -> None:
         place = self._folder.warm_socket
         loop = asyncio.get_running_loop()
         await loop.run_in_executor(None, start_parent, place)
-        asked = partial(ask, place, CopyRequest.from_json(self.request))
+        asked = partial(ask, place, CopyRequest.from_json({**self.request, "died": died}))
         self.pid = await loop.run_in_executor(None, asked)
         self.started_at = _started_at(self.pid)
         self.starts = [*self.starts, time.monotonic()][-MOST_STARTS:]
@@ -93,13 +101,17 @@ class StudentSpawner(SimpleLocalProcessSpawner):
         if self.proc is not None or not self.request:
             status: int | None = await super().poll()
             return status
+        async with self._polling:
+            return await self._poll_copy()
+
+    async def _poll_copy(self) -> int | None:
         if self.pid and _started_at(self.pid) == self.started_at:
             return None
         often = len(self.starts) >= MOST_STARTS and time.monotonic() - self.starts[0] < WITHIN_S
         if not self._stop_pending and self.pid and not often:
             self.log.warning("%s's server died; it is begun again", self.user.name)
             try:
-                await self._copy()
+                await self._copy(died=True)
             except NotWarmError as error:
                 self.log.warning("%s", error)
             else:
@@ -129,6 +141,21 @@ class StudentSpawner(SimpleLocalProcessSpawner):
         """Forget a server that has ended."""
         super().clear_state()
         self.started_at, self.request = 0.0, {}
+
+
+async def until_listening(port: int, lives: Callable[[], bool]) -> None:
+    """Wait until a server of this machine listens, or has died.
+
+    The hub would ask itself, but after 0.2 s, then after 0.4 s, and so on: a copy needs 0.1 s.
+    """
+    while lives():
+        try:
+            _, writer = await asyncio.open_connection("127.0.0.1", port)
+        except OSError:
+            await asyncio.sleep(LOOK_S)
+        else:
+            writer.close()
+            return
 
 
 def _started_at(pid: int) -> float:

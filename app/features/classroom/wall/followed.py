@@ -134,6 +134,14 @@ class FollowedServer:
 
         return await anyio.to_thread.run_sync(why_not)
 
+    def opened(self, path: str) -> Any:
+        """Return what the server has at a path, to be read bit by bit in a thread of one's own.
+
+        Raises:
+            OSError: it has nothing.
+        """
+        return OPENER.open(Request(self.address + path, None, self.headers), timeout=TAKEN_S)
+
     async def _fetched(self, request: Request) -> bytes | None:
 
         def fetched() -> bytes | None:

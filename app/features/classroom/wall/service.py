@@ -15,6 +15,7 @@ from starlette.staticfiles import StaticFiles
 from app.features.classroom.hub_client import HubClient, HubEnvironment
 from app.features.classroom.sign_in import Sessions, SignIn
 from app.features.classroom.wall.collecting import Results
+from app.features.classroom.wall.exporting import export_router
 from app.features.classroom.wall.routes import (
     handouts_router,
     orders_router,
@@ -44,7 +45,7 @@ def wall_app(wall: Wall, hub: HubClient) -> FastAPI:
     app = FastAPI(title="BrickPose: wall", lifespan=lifespan, docs_url=None, redoc_url=None)
 
     own = (shown_router(wall), orders_router(wall), handouts_router(wall))
-    routers = (*own, results_router(wall, results))
+    routers = (*own, results_router(wall, results), export_router(wall))
     for router in (*routers, language_router()):
         app.include_router(router)
     app.mount("/static", StaticFiles(directory=FRONTEND), name="static")

@@ -113,6 +113,10 @@ class Wall:
             "asleep": desk.get("asleep", False),
         }
 
+    def servers(self) -> dict[str, FollowedServer]:
+        """Return the servers that run, by whose they are."""
+        return dict(self._servers)
+
     async def of_each(
         self,
         logins: Sequence[str] | None,

@@ -24,10 +24,12 @@ from typing import Any
 
 from app.features.classroom.warm.confinement import MOST_FILE, confine
 from app.features.classroom.warm.request import ENDED, LONGEST, CopyRequest
+from app.features.classroom.warm.serving import serve_once
 from app.features.classroom.warm.watch import LOOK_S, ClassWatch
 
 STEPS = 20
-"""Ticks that a robot is driven before, so that what is made at a first tick is shared, too."""
+"""Ticks before, half of them driven, so that what is made at a first tick and at a first drive is
+shared, too."""
 ALONE_S = 10.0
 THP_DISABLE = 41
 """``prctl``: no huge pages. NumPy asks for them, and a byte that is written then costs 2 MB."""
@@ -108,9 +110,9 @@ class WarmParent:
         try:
             request = CopyRequest.from_json(json.loads(line))
             confinement = request.confinement
-            self._watch.clear(confinement)
+            self._watch.clear(confinement, died=request.died)
             longest = self._watch.longest_file(confinement, MOST_FILE)
-            why_ended = self._watch.ended.pop(confinement.home, "")
+            why_ended = self._watch.ended.get(confinement.home, "")
             pid = os.fork()
         except (OSError, ValueError, TypeError, KeyError) as error:
             connection.sendall(json.dumps({"error": str(error)}).encode() + b"\n")
@@ -174,7 +176,7 @@ def _import_all() -> None:
 
 
 def get_warm() -> None:
-    """Import what a server needs, and drive a robot for a moment."""
+    """Import what a server needs, drive a robot for a moment, and serve one to a page."""
     import cv2  # noqa: PLC0415 - its threads would not be in a copy
 
     cv2.setNumThreads(0)
@@ -183,15 +185,21 @@ def get_warm() -> None:
     from app.engine.plugging import plug_in  # noqa: PLC0415
     from app.feature_search import find_features  # noqa: PLC0415
     from app.features.control.starting import share_with_forks  # noqa: PLC0415
+    from app.features.course.learn_command import suited  # noqa: PLC0415
+    from app.messages.driving_commands import DriveCommand  # noqa: PLC0415
     from app.settings.config import Config  # noqa: PLC0415
 
     plug_in(find_features())
     for robot in ("kinematic", "auto"):
-        program: Any = build_program(Config(robot=robot))
-        for _ in range(STEPS):
+        config = suited(Config(robot=robot), 1, map_given=False)
+        program: Any = build_program(config)
+        for tick in range(STEPS):
+            if tick >= STEPS // 2:
+                program.engine.commands.put(DriveCommand(type="drive", v=0.1, omega=0.5))
             program.engine.step()
         program.robot.close()
         share_with_forks(program)
+    serve_once()
     end = time.monotonic() + ALONE_S
     while len(list(Path("/proc/self/task").iterdir())) > 1:
         if time.monotonic() > end:

@@ -15,8 +15,10 @@ from typing import Any
 
 from robot.errors import BrickPoseError
 
-READY_S = 60.0
-"""Time for the warm parent to be warm [s]: it imports everything, and steps two robots."""
+READY_S = 240.0
+"""Time for the warm parent to be warm [s]: it imports everything, and steps two robots; where what
+is compiled cannot be kept it compiles, too, for a minute or two. One that ends is not waited for.
+Half or twice of it changes for how long nobody is told of one that hangs."""
 ANSWER_S = 10.0
 LONGEST = 1 << 20
 ENDED = "BRICKPOSE_CLASS_ENDED"
@@ -63,6 +65,8 @@ class CopyRequest:
     environment: Mapping[str, str]
     folder: str
     confinement: Confinement
+    died: bool = False
+    """The one before has ended, and nobody had asked for that."""
 
     def to_json(self) -> dict[str, Any]:
         """Return it as JSON values."""
@@ -100,8 +104,18 @@ def start_parent(place: Path) -> None:
     """
     if sys.platform != "linux":
         raise WarmParentError("copies of a warm process are for Linux")
+    import fcntl  # noqa: PLC0415 - other systems have none
+
     if _answers(place):
         return
+    # Thirty students may ask at once when it has died, and it takes a second of both cores.
+    with place.with_suffix(".lock").open("wb") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not _answers(place):
+            _start_parent(place)
+
+
+def _start_parent(place: Path) -> None:
     log = place.with_suffix(".log")
     with log.open("ab") as out:
         process = subprocess.Popen(

@@ -13,7 +13,7 @@ import signal
 import time
 from collections.abc import Iterable
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from app.features.classroom.warm.request import Confinement
@@ -34,6 +34,11 @@ MOST_ENTRIES = 20_000
 """Files in a folder, of which more are too many: to count them would hold up all others."""
 TIGHT_FILE = 1 << 20
 """Longest file of a student whose folder is full [bytes]: enough to save a program."""
+TOLD_S = 60.0
+"""A server that is told why the one before it was ended has told its student after this time [s].
+One that ends earlier has perhaps told nobody: the next is told, too. Half or twice of it changes
+for how long a server that was begun by a click says what was said before."""
+BY_ITSELF = "your robot's program ended by itself"
 ROUNDS = 50
 ORPHANS = 1
 """The process that gets the children of those that have ended."""
@@ -61,6 +66,7 @@ class _Held:
     stamp: float
     busy_since: float | None = None
     last: bool = False
+    begun: float = field(default_factory=time.monotonic)
 
 
 class ClassWatch:
@@ -70,7 +76,8 @@ class ClassWatch:
         self._held: dict[str, _Held] = {}
         """By the student's folder."""
         self.ended: dict[str, str] = {}
-        """Why a student's processes were ended, in words, by the student's folder."""
+        """Why a student's processes were ended, in words, by the student's folder; until a server
+        has lived for ``TOLD_S`` that was told so."""
         self._next = 0
         """Whose folder is measured next; one a look."""
         self._full: set[str] = set()
@@ -79,10 +86,21 @@ class ClassWatch:
         """Watch a server, in place of the one that its student had before."""
         self._held[confinement.home] = _Held(pid, confinement, {}, time.monotonic())
 
-    def clear(self, confinement: Confinement) -> None:
-        """End what an earlier server of a student has left."""
-        held = self._held.pop(confinement.home, None)
-        self._end(_Held(held.pid if held else 0, confinement, {}, 0.0))
+    def clear(self, confinement: Confinement, *, died: bool = False) -> None:
+        """End what an earlier server of a student has left.
+
+        Args:
+            confinement: the student's.
+            died: the earlier server has ended, and nobody had asked for that.
+        """
+        held = self._held.pop(confinement.home, None) or _Held(0, confinement, {}, 0.0)
+        # Too many processes may end a server before somebody looks: it cannot begin its own.
+        complaint = self._complaint(held, of_server(held.pid, _user_of(held), processes()))
+        if complaint:
+            self.ended[confinement.home] = complaint
+        elif died:
+            self.ended.setdefault(confinement.home, BY_ITSELF)
+        self._end(held)
 
     def longest_file(self, confinement: Confinement, usual: int) -> int:
         """Return how long files of a student may be now [bytes]."""
@@ -96,6 +114,8 @@ class ClassWatch:
             if not own:
                 del self._held[home]
                 continue
+            if time.monotonic() - held.begun > TOLD_S:
+                self.ended.pop(home, None)
             complaint = self._complaint(held, own)
             if complaint:
                 self.ended[home] = complaint

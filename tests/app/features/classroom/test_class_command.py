@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.metadata
 import importlib.util
+import os
 import socket
 
 import pytest
@@ -63,6 +64,17 @@ def test_a_wrong_option_is_refused(words, told, students, installed, capsys):
     assert not students.with_suffix(".class").exists()
 
 
+def test_notebooks_of_root_are_refused_and_others_written(students, installed, capsys, monkeypatch):
+    monkeypatch.setattr(os, "geteuid", lambda: 0)
+    code, err = refused(capsys, students, "--notebook", "--write-only")
+    assert code == 1
+    assert "--notebook as root would make each student root; valid is another user" in err
+    monkeypatch.setattr(os, "geteuid", lambda: 1000)
+    assert main(["class", str(students), "--notebook", "--write-only"]) == 0
+    text = (students.with_suffix(".class") / "jupyterhub_config.py").read_text()
+    assert "notebook=True" in text
+
+
 @pytest.mark.parametrize("number", range(4))
 def test_a_taken_port_is_named_with_its_use(number, students, installed, capsys):
     first = four_ports()
@@ -90,6 +102,25 @@ def test_a_hub_of_another_version_is_refused(version, students, installed, capsy
     code, err = refused(capsys, students)
     assert code == 1
     assert f"JupyterHub {version} is installed; valid is 5 up to, but without, 7" in err
+
+
+def test_a_proxy_that_is_not_there_or_has_no_node_is_told(
+    students, installed, capsys, monkeypatch, tmp_path
+):
+    monkeypatch.setenv(class_command.OTHER_PROXY, "no-such-proxy --log-level debug")
+    code, err = refused(capsys, students)
+    assert code == 1
+    assert "BRICKPOSE_PROXY is 'no-such-proxy', and there is no such program" in err
+    script = tmp_path / "npms-proxy"
+    script.write_text("#!/usr/bin/env node\n")
+    script.chmod(0o755)
+    monkeypatch.setenv(class_command.OTHER_PROXY, str(script))
+    monkeypatch.setenv("PATH", str(tmp_path))
+    code, err = refused(capsys, students)
+    assert code == 1
+    assert "which needs node, and node is not there" in err
+    (tmp_path / "node").symlink_to("/bin/true")
+    assert main(["class", str(students), "--write-only"]) == 0
 
 
 @pytest.mark.slow

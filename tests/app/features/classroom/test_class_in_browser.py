@@ -6,7 +6,9 @@ import csv
 import os
 import re
 import signal
+import zipfile
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 from classes import needs_hub, running_class
@@ -110,6 +112,22 @@ def test_a_recording_is_handed_out_to_both(wall, served, ada, juergen, tmp_path)
         assert file.stem.removesuffix("_0") in listed
 
 
+def test_the_recordings_of_the_class_are_exported(wall, served, ada, juergen, tmp_path):
+    before = {page: page.request.get(f"{served.address}/user/{login}/api/recordings").json()
+              for page, login in ((ada, "ada-lovelace"), (juergen, "juergen-gross"))}  # fmt: skip
+    with wall.expect_download(timeout=120_000) as download:
+        wall.locator("#recordings").click()
+    download.value.save_as(tmp_path / "recordings.zip")
+    with zipfile.ZipFile(tmp_path / "recordings.zip") as made:
+        sizes = {each.filename: each.file_size for each in made.infolist()}
+    assert sizes == {
+        f"{login}/{each['name']}.mcap": each["size_bytes"]
+        for login, entries in zip(("ada-lovelace", "juergen-gross"), before.values(), strict=True)
+        for each in entries
+    }
+    assert len(sizes) == 2, "one was handed out to each"
+
+
 def test_the_shared_robots_queue_is_on_the_wall_and_on_the_students_own_pages(wall, ada, juergen):
     told = wall.locator("#queue-told")
     expect(told).to_contain_text("Nobody drives")
@@ -146,6 +164,10 @@ def test_results_are_collected(wall, served, tmp_path):
         rows = {row["file"]: row for row in csv.DictReader(file)}
     assert rows["ada-lovelace/my_filter.py"]["lesson 3"] == "passed"
     assert rows["juergen-gross/my_filter.py"]["lesson 3"] == ""
+    with wall.expect_download() as download:
+        wall.locator("#junit").click()
+    suites = ElementTree.parse(download.value.path()).getroot()
+    assert [each.get("name") for each in suites.iter("testsuite")] == list(rows)
 
 
 def test_no_student_enters_the_wall_or_another_ones_robot(served, ada):

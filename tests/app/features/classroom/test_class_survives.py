@@ -18,6 +18,8 @@ from benchmarks.classroom import StudentClient
 pytestmark = [pytest.mark.slow, needs_hub]
 BACK_S = {"proxy": 10.0, "student": 10.0, "hub": 3.0}
 """Who drives notices nothing of a hub that was killed: its proxy outlives it."""
+LINKS_S = 20.0
+"""The goal is 10 s on a computer that does nothing else."""
 PATIENCE_S = 40.0
 SEEN_S = 20.0
 ATTACKS = {
@@ -183,15 +185,12 @@ def test_a_hub_that_was_killed_goes_on_with_the_proxy_of_before(served, students
     os.kill(_hub(served), signal.SIGKILL)
     with students["ada"].socket("api/live?rate=5") as live:
         begun = time.monotonic()
-        end = begun + PATIENCE_S
-        while True:  # the one socket lasts until the hub answers again
-            live.recv(timeout=5.0)
-            with suppress(OSError):
-                students["bo"].open()
-                break
-            assert time.monotonic() < end
-        print(f"links open again after {time.monotonic() - begun:.2f} s")
-        live.recv(timeout=5.0)
+        # A browser that nobody has signed in yet: the hub alone can let it in.
+        StudentClient(served.address, "bo", served.keys["bo"]).open()
+        seconds = time.monotonic() - begun
+        print(f"links open again after {seconds:.2f} s")
+        assert seconds < LINKS_S
+        live.recv(timeout=5.0)  # the one socket has lasted
     assert _proxy(served) == before
 
 
@@ -200,25 +199,27 @@ def _proxy(served: RunningClass) -> int:
 
 
 def _hub(served: RunningClass) -> int:
-    return _child(served, b"classroom.hub.start\0")
-
-
-def _child(served: RunningClass, word: bytes) -> int:
-    """The process below the class's command whose own command has a word; it may just begin."""
+    """The hub, a copy of the process that has imported it; it may just begin."""
     end = time.monotonic() + PATIENCE_S
     while time.monotonic() < end:
-        with suppress(LookupError):
-            return _found(served, word)
+        own = [each for each in _below(served.process.pid) if _is_hub(each)]
+        if len(own) == 2:
+            return own[1]
         time.sleep(0.05)
-    raise LookupError(word)
+    raise LookupError("there is no hub")
 
 
-def _found(served: RunningClass, word: bytes) -> int:
-    found = [served.process.pid]
+def _is_hub(pid: int) -> bool:
+    with suppress(OSError):
+        return b"classroom.hub.start\0" in Path(f"/proc/{pid}/cmdline").read_bytes()
+    return False
+
+
+def _below(pid: int) -> list[int]:
+    """All processes that descend from one, parents first."""
+    found = [pid]
     for each in found:
         with suppress(OSError):
-            if each != found[0] and word in Path(f"/proc/{each}/cmdline").read_bytes():
-                return each
             for task in Path(f"/proc/{each}/task").iterdir():
                 found += map(int, (task / "children").read_text().split())
-    raise LookupError(word)
+    return found[1:]

@@ -48,6 +48,7 @@ def test_names_are_read_as_people_and_spreadsheets_write_them(text, tmp_path):
         ("name,group\nLovelace, Ada,7a\n", 'stands in quotes, as "Lovelace, Ada"'),
         ('name,group\n"Ada,7a\n', "line 2: "),
         ("name,group\n,7a\n", "line 2 has 2 cells and no name"),
+        ("Vorname;Nachname\nAda;Lovelace\n", "columns are vorname, nachname; valid is one of"),
         (b"PK\0\0", "is no text; valid is CSV"),
         ("\n".join(f"s{n}" for n in range(MOST + 1)), f"has {MOST + 1} students"),
     ],

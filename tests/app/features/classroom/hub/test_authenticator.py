@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from datetime import UTC, datetime
 from types import SimpleNamespace
+from unittest.mock import MagicMock
 
 import pytest
 from classes import needs_hub
@@ -40,3 +41,18 @@ def test_a_link_notes_the_use_of_a_robot_that_runs(active):
     assert (noted is not None) == active
     if active:  # in UTC, as the hub has it
         assert abs((datetime.now(UTC).replace(tzinfo=None) - noted).total_seconds()) < 5
+
+
+@pytest.mark.parametrize(("notebook", "page"), [(False, "/learn/1"), (True, "/lab")])
+def test_a_link_opens_a_page_that_its_server_has(notebook, page, tmp_path):
+    from jupyterhub.spawner import Spawner
+    from traitlets.config import Config
+
+    from app.features.classroom.hub.authenticator import first_page
+    from app.features.classroom.hub.configuration import configure
+
+    c = Config()
+    configure(c, str(tmp_path), host="127.0.0.1", port=8000, memory_mb=700, disk_mb=50,
+              idle_s=60, notebook=notebook)  # fmt: skip
+    spawner = Spawner(config=c, orm_spawner=MagicMock(server=None), hub=MagicMock())
+    assert first_page(spawner) == page

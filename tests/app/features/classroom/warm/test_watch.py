@@ -201,6 +201,47 @@ def test_many_files_are_too_many_and_links_lead_nowhere(tmp_path, monkeypatch):
     assert size_of(tmp_path) > 1 << 50
 
 
+def test_a_reason_is_told_until_a_server_has_lived_that_was_told(students, monkeypatch):
+    """The second server may die of the same code before its student reads why the first did."""
+    monkeypatch.setattr(watching, "MOST_THREADS", 0)
+    held = students.begin(0, sleeps)
+    students.watch.look()
+    assert not students.alive(0)
+    told = students.watch.ended[held.home]
+    monkeypatch.undo()
+    for _ in range(2):
+        students.watch.clear(held, died=True)
+        assert students.watch.ended[held.home] == told
+    students.begin(0, sleeps)
+    students.watch.look()
+    assert students.watch.ended[held.home] == told
+    monkeypatch.setattr(watching, "TOLD_S", 0.0)
+    students.watch.look()
+    assert held.home not in students.watch.ended
+    assert students.alive(1)
+
+
+def test_who_ends_before_somebody_looks_is_told_too(students, monkeypatch):
+    held = students.begin(0, lambda: None)
+    until(lambda: not students.alive(0))
+    students.watch.clear(held, died=False)
+    assert not students.watch.ended, "its student ended it"
+    students.watch.clear(held, died=True)
+    assert students.watch.ended[held.home] == watching.BY_ITSELF
+    if os.geteuid() != 0:
+        return  # without root, children of who has ended are nobody's
+
+    def leaves() -> None:
+        if not os.fork():
+            time.sleep(30)
+
+    students.begin(0, leaves)
+    monkeypatch.setattr(watching, "MOST_THREADS", 0)
+    until(lambda: not students.alive(1))
+    students.watch.clear(held, died=True)
+    assert "1 processes and threads; valid are 0" in students.watch.ended[held.home]
+
+
 def test_what_an_earlier_server_has_left_ends_before_the_next_begins(students):
     if os.geteuid() != 0:
         pytest.skip("without root, students share a user")
