@@ -47,7 +47,7 @@ def measure() -> Result:
     with tempfile.TemporaryDirectory() as folder:
         for name, seed, condition in DRIVES:
             kept = Path(folder) / name
-            _alone(_record, name, seed, condition, kept)
+            _alone(_record, name, seed, condition, LONGEST_S, kept)
             lengths = {f"{laps} laps": laps * LAP_S for laps in LAPS} | {"30 min": LONGEST_S}
             for words, seconds in lengths.items():
                 figures = _alone(_mapped, kept, seconds, condition != "default")
@@ -101,8 +101,8 @@ def _alone(work: Callable[..., T], *given: object) -> T:
         return pool.submit(work, *given).result()
 
 
-def _record(name: str, seed: int, condition: str, kept: Path) -> None:
-    recorded(kept, lambda: [driven(condition, name, seed, LONGEST_S, steer=Rounds)])
+def _record(name: str, seed: int, condition: str, seconds: float, kept: Path) -> None:
+    recorded(kept, lambda: [driven(condition, name, seed, seconds, steer=Rounds)])
 
 
 def _mapped(kept: Path, seconds: float, calibrate: bool) -> dict[str, float]:

@@ -330,7 +330,8 @@ class Mapper:
         passes = 0
         if self._solution is not None:
             passes = self._before.passes(followed, float(self._every.stamps[self._next]))
-        if passes >= PASSES and (self._passed is not None or self._is_tied):
+        known = passes >= PASSES and not followed.is_pushed
+        if known and (self._passed is not None or self._is_tied):
             self._passed, self._next = followed, until
             return
         self._take(followed)
@@ -380,7 +381,7 @@ class Mapper:
     def _followed(self, first: int, until: int) -> Followed:
         """Return where the pictures between two numbers were taken, by wheels and strokes."""
         state, passed = self._state, self._passed
-        pose = state.poses[-1] if passed is None else passed.poses[-1]
+        pose = begin_pose = state.poses[-1] if passed is None else passed.poses[-1]
         covariance = self._covariance if passed is None else passed.covariance
         slip = np.zeros((until - first, 2))
         if passed is None:
@@ -406,7 +407,8 @@ class Mapper:
         if self._strokes.traced:
             matched = misses(seen, floor, poses, state.values, LEAST_GATE)
             lying = np.bincount(matched.picture, minlength=len(poses)) + matched.near_ends
-        return Followed(poses, covariance, covariances[0], edges_of(log.since(1)), lying)
+        shown = edges_of(log.since(1))
+        return Followed(poses, covariance, covariances[0], shown, lying, begin_pose, steps)
 
     def _trace(self, spacing: float = SPACING, *, rough: bool = False) -> None:
         """Draw the strokes anew, from where the path lies by now, with nodes at a distance [m]."""

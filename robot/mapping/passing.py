@@ -33,6 +33,9 @@ taken away, less is seen."""
 TIED = 6
 """A bridge begins where the strokes say well where the robot is: a picture has so many edges there.
 """
+PUSHED, PUSHED_TURN = 0.004, 0.02
+"""A picture that the map lays farther than this from where the wheels lead is kept [m, rad]: the
+robot was pushed, which only the whole adjustment tells well."""
 DEFERRED = 0.15
 """Pictures that the map explains wait until they are this share of those that were adjusted."""
 BRIDGE_SD = np.array([0.005, 0.005, 0.02])
@@ -54,6 +57,21 @@ class Followed:
     """(k,) how many edges each shows."""
     lying: NDArray[np.intp]
     """(k,) how many of them lie on strokes."""
+
+    begin_pose: Array
+    """(3,) of the robot at the picture before them [m, m, rad]."""
+    steps: Array = field(repr=False)
+    """(k, 3) how the robot came to each of them by its wheels [m, m, rad]."""
+
+    @property
+    def is_pushed(self) -> bool:
+        """Whether it came from one to the next otherwise than by its wheels."""
+        before, after = np.vstack([self.begin_pose, self.poses[:-1]]), self.poses
+        c, s = np.cos(before[:, 2]), np.sin(before[:, 2])
+        dx, dy = (after - before)[:, :2].T
+        apart = np.column_stack([c * dx + s * dy, -s * dx + c * dy]) - self.steps[:, :2]
+        turned = wrap_angle(after[:, 2] - before[:, 2] - self.steps[:, 2])
+        return bool((np.abs(apart) > PUSHED).any() or (np.abs(turned) > PUSHED_TURN).any())
 
     @property
     def is_tied(self) -> bool:
