@@ -59,12 +59,14 @@ class LoggedDrive:
     seed: int
 
 
-def recorded(kept: Path | None, seed: int = 0) -> list[LoggedDrive]:
-    """Return all drives; from a file, or to it if it is not there yet."""
+def recorded(
+    kept: Path | None, record: Callable[[], list[LoggedDrive]] | None = None
+) -> list[LoggedDrive]:
+    """Return all drives, or those that are recorded; from a file, or to it if it is not there."""
     if kept is not None and kept.exists():
         drives: list[LoggedDrive] = pickle.loads(kept.read_bytes())  # our own, of a minute ago
         return drives
-    drives = [lap(name, seed + number) for name, number in DRAWN]
+    drives = [lap(*drive) for drive in DRAWN] if record is None else record()
     if kept is not None:
         kept.write_bytes(pickle.dumps(drives))
     return drives
@@ -85,7 +87,8 @@ def driven(
     name: str,
     seed: int,
     seconds: float,
-    motion: Callable[[float], Twist2],
+    motion: Callable[[float], Twist2] | None = None,
+    steer: Callable[[Field], Callable[[Pose2], Twist2]] | None = None,
 ) -> LoggedDrive:
     """Return what a robot logs that was built in a condition, and the truth.
 
@@ -95,7 +98,8 @@ def driven(
         name: of the field.
         seed: of the robot and of its sensors.
         seconds: how long it drives.
-        motion: how it drives, by the time.
+        motion: how it drives, by the time; None if it is steered.
+        steer: on a field, returns how it drives by where it truly is.
     """
     spec, field = RobotSpec.load(), load_field(name, MAPS)
     config = apply_condition(Config(robot="sim"), condition)
@@ -105,6 +109,7 @@ def driven(
     robot = build_robot(config, spec, field, Streams.of(seed).robot, no_wait)
     recorder = DriveRecorder(spec, config.scanner, field.tape, calibrated=condition == "default")
     drive = DifferentialDrive(spec)
+    by_pose = None if steer is None else steer(field)
     truths: list[tuple[float, ...]] = []
     try:
         while not truths or truths[-1][0] < seconds:
@@ -112,7 +117,12 @@ def driven(
             recorder.add(reading)
             assert reading.truth is not None
             truths.append((reading.stamp, *reading.truth.to_array().tolist()))
-            robot.write(drive.wheels(motion(reading.stamp)))
+            wanted = Twist2()
+            if motion is not None:
+                wanted = motion(reading.stamp)
+            elif by_pose is not None:
+                wanted = by_pose(reading.truth)
+            robot.write(drive.wheels(wanted))
     finally:
         robot.close()
     delay = config.sim.camera.stamp_error
@@ -161,10 +171,16 @@ class AdjustedDrive:
 FAILED = AdjustedDrive((np.nan, np.nan, np.nan))
 
 
-def draw_map(drive: LoggedDrive) -> AdjustedDrive:
-    """Draw a map; its edges' mean and largest error [mm], and the share that is missing [%]."""
+def draw_map(drive: LoggedDrive, *, calibrate: bool = False) -> AdjustedDrive:
+    """Draw a map; its edges' mean and largest error [mm], and the share that is missing [%].
+
+    Args:
+        drive: from which it is drawn.
+        calibrate: the robot along with it.
+    """
     start = Pose2.from_array(drive.path[0])
-    drawn = Mapper(drive.log, RobotSpec.load(), drive.field.tape[0].width, start).run()
+    width = drive.field.tape[0].width
+    drawn = Mapper(drive.log, RobotSpec.load(), width, start, calibrate=calibrate).run()
     text = drawn.drawing("drawn")
     own, true = (
         np.hstack([points, SAME_EDGE * normals])

@@ -250,9 +250,7 @@ class Adjustment:
         error = np.column_stack([local, after[:, 2] - before[:, 2]]) - steps
         error[:, 2] = wrap_angle(error[:, 2])
         by_wheels = -(by_wheels + self._motion.by_errors(state.values, steps, error))
-        # The encoders' noise is of angles: on the floor it grows with the wheels.
-        larger = 1 + state.values[[LEFT, RIGHT]].mean()
-        sd = STEP_SD * (larger, larger, 1)
+        sd = step_sd(state.values)
         error /= sd
         by_wheels /= sd[:, None]
         robot = np.zeros((len(steps), 3, COUNT))
@@ -269,6 +267,16 @@ class Adjustment:
         by_before /= sd[:, None]
         by_before[:, :, 3:] = by_wheels[:, :, BY_SLIP]
         return error, by_before, by_after, robot
+
+
+def step_sd(values: Array) -> Array:
+    """Return the standard deviations of a step by the wheels (3,) [m, m, rad].
+
+    The encoders' noise is of angles: on the floor it grows with the wheels.
+    """
+    larger = 1 + values[[LEFT, RIGHT]].mean()
+    sd: Array = STEP_SD * (larger, larger, 1)
+    return sd
 
 
 def _moved(state: DriveEstimate, step: Array, shared: Array) -> DriveEstimate:

@@ -25,6 +25,9 @@ EVERY = 3
 BEFORE = 6.0
 """How far before tape the floor's brightness is read, beside the blur of its edge [samples]."""
 
+AROUND_S = 1.0
+"""Turns of the wheels so long before and after pictures belong to these: pictures come late [s]."""
+
 LOOSE: Mapping[str, Any] = {"width_tolerance": 0.030, "straightness": 0.006, "taper": 0.030}
 """Of the scanner's limits [m]: with a camera that is 1.5 degrees askew, tape seems to be 20 mm
 wider or narrower, and its edges bent."""
@@ -75,6 +78,13 @@ class DriveLog:
     def until(self, count: int) -> DriveLog:
         """Return the drive with its first pictures only."""
         return self.some(slice(count))
+
+    def between(self, first: int, last: int) -> DriveLog:
+        """Return the drive's pictures from one to before another, with the wheels of that time."""
+        begin, end = self.stamps[first] - AROUND_S, self.stamps[last - 1] + AROUND_S
+        some = slice(*np.searchsorted(self.wheel_stamps, [begin, end]))
+        stamps, angles = self.wheel_stamps[some], self.wheel_angles[some]
+        return replace(self.some(slice(first, last)), wheel_stamps=stamps, wheel_angles=angles)
 
     def since(self, first: int) -> DriveLog:
         """Return the drive without its first pictures."""

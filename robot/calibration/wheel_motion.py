@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robot.calibration.drive_log import DriveLog
 from robot.description.spec import RobotSpec
@@ -48,13 +50,24 @@ class WheelMotion:
     """Left and right, as described [m]."""
     separation: float
     """As described [m]."""
+    bridged: NDArray[np.intp] = field(default_factory=lambda: np.zeros(0, np.intp), repr=False)
+    """(b,) pictures after which others were left out: no step is known from there."""
 
     @classmethod
-    def of(cls, log: DriveLog, spec: RobotSpec) -> WheelMotion:
+    def of(
+        cls, log: DriveLog, spec: RobotSpec, bridged: NDArray[np.intp] | Sequence[int] = ()
+    ) -> WheelMotion:
         """Return the motion of a drive, with the wheels' dimensions of a description."""
         left, right = (spec.joints[place].radius for place in spec.axle)
         angles = _smooth(log.wheel_angles)
-        return cls(log.stamps, log.wheel_stamps, angles, (left, right), spec.track)
+        return cls(
+            log.stamps,
+            log.wheel_stamps,
+            angles,
+            (left, right),
+            spec.track,
+            np.array(bridged, np.intp),
+        )
 
     def steps(self, values: Array, slip: Array) -> tuple[Array, Array]:
         """Return how the robot moved from each picture to the next, and the derivatives.
@@ -163,10 +176,12 @@ class WheelMotion:
     def _turns(self, delay: float) -> Array:
         """Return how far the wheels turned (k - 1, n, 2) [rad] in n parts of each interval."""
         times = self.stamps - delay
-        longest = float(np.diff(times).max(initial=0.0))
+        spans = np.diff(times)
+        spans[self.bridged] = 0.0
+        longest = float(spans.max(initial=0.0))
         parts = min(max(1, math.ceil(longest / STEP_S)), MOST_PARTS)
         within = np.linspace(0.0, 1.0, parts + 1)
-        cuts = times[:-1, None] + np.diff(times)[:, None] * within
+        cuts = times[:-1, None] + spans[:, None] * within
         return np.diff(self._angles(cuts), axis=1)
 
     def _rolled(self, turns: Array, values: Array, slip: Array) -> tuple[Array, Array]:

@@ -13,13 +13,21 @@ from dataclasses import fields, replace
 
 import numpy as np
 
-from robot.calibration.adjustment import Adjustment, DriveEstimate, Solution, Weights, quality_of
+from robot.calibration.adjustment import (
+    Adjustment,
+    DriveEstimate,
+    Solution,
+    Weights,
+    quality_of,
+    step_sd,
+)
 from robot.calibration.misses import Misses, misses
 from robot.calibration.normal_equations import Equations
 from robot.calibration.sightings import Sightings
 from robot.calibration.wheel_motion import WheelMotion
 from robot.description.unknowns import COUNT, PRIORS
 from robot.geometry import Array, Pose2, wrap_angle
+from robot.mapping.passing import Bridges
 from robot.mapping.strokes import Strokes
 
 NODE_SD = 1.0
@@ -52,10 +60,12 @@ class MapAdjustment(Adjustment):
         strokes: Strokes,
         start: Array,
         covariance: Array,
+        bridges: Bridges | None = None,
     ) -> None:
         """Prepare it; strokes are about where they were traced."""
         super().__init__(seen, motion, start, covariance)
         self._strokes = strokes
+        self._bridges = bridges or Bridges()
 
     def _sightings(self, state: DriveEstimate) -> Sightings:
         return replace(self._seen, tape=self._strokes.moved_by(state.map).edges)
@@ -82,6 +92,19 @@ class MapAdjustment(Adjustment):
             parts.append(_without_derivatives(seen))
         equations.misses = _together(parts)
         return equations.misses
+
+    def _step_errors(self, state: DriveEstimate) -> tuple[Array, Array, Array, Array]:
+        """Return errors of the steps, and of the bridges instead of those that they lead over."""
+        error, before, after, robot = super()._step_errors(state)
+        bridged, wheels_sd = self._bridges.before, step_sd(state.values)
+        # There the wheels tell no step: the error is all of the motion.
+        apart = error[bridged] * wheels_sd - self._bridges.steps
+        apart[:, 2] = wrap_angle(apart[:, 2])
+        error[bridged] = apart / self._bridges.sd
+        for by_picture in (before, after):
+            by_picture[bridged] *= (wheels_sd / self._bridges.sd)[:, :, None]
+        before[bridged, :, 3:] = robot[bridged] = 0.0
+        return error, before, after, robot
 
     def _prior(self, state: DriveEstimate, weights: Weights) -> tuple[Array, Array]:
         robot, information = super()._prior(state, weights)

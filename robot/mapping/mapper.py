@@ -14,6 +14,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robot.calibration.adjustment import (
     CalibrationError,
@@ -24,6 +25,7 @@ from robot.calibration.adjustment import (
 )
 from robot.calibration.calibrate import not_learnt
 from robot.calibration.drive_log import DriveLog
+from robot.calibration.misses import misses
 from robot.calibration.sightings import Sightings
 from robot.calibration.tracking import LEAST_GATE, laid, predicted
 from robot.calibration.wheel_motion import WheelMotion
@@ -46,6 +48,14 @@ from robot.mapping.joining import joined
 from robot.mapping.lengthwise import find_lengthwise
 from robot.mapping.map_adjustment import MapAdjustment, moved_to_start
 from robot.mapping.moving import moving
+from robot.mapping.passing import (
+    DEFERRED,
+    PASSES,
+    Bridges,
+    Followed,
+    SeenBefore,
+    edges_of,
+)
 from robot.mapping.redundant import without_redundant
 from robot.mapping.refinement import refined
 from robot.mapping.seen_floor import SeenFloor
@@ -124,6 +134,12 @@ class Mapper:
         """
         self._spec, self._width = spec, width
         self._nothing = Strokes.of((), width)
+        self._kept = np.zeros(1, np.intp)
+        self._next, self._drawn = 1, 0
+        self._bridges = Bridges()
+        self._passed: Followed | None = None
+        self._is_tied = False
+        self._before: SeenBefore
         self.extend(log)
         self._start = start.to_array()
         self._calibrate = calibrate
@@ -144,7 +160,13 @@ class Mapper:
             MappingError: the drive shows no tape, or the robot stood still.
         """
         _check(log)
-        self._log = log.some(moving(log, self._spec))
+        self._every = log.some(moving(log, self._spec))
+        self._keep(self._kept)
+
+    def _keep(self, kept: NDArray[np.intp]) -> None:
+        """Let the drive that is adjusted be of some of its pictures."""
+        self._kept = kept
+        self._log = self._every.some(kept)
         self._seen = Sightings.of_edges(self._log, self._spec, self._nothing.edges)
 
     def run(self, report: Callable[[float], None] = lambda seconds: None) -> TapeMap:
@@ -157,21 +179,22 @@ class Mapper:
             MappingError: nothing that was seen is tape.
             CalibrationError: no path explains the drive.
         """
-        log, total = self._log, len(self._log.stamps)
         self.catch_up(report)
-        if self._solution is None or total - self.mapped >= WINDOW:
-            self.grow(total)
-        elif self.mapped < total:
-            # These few are only laid on the strokes, because the whole drive is adjusted below.
-            self._state = self._followed(*self._part(total))
+        rest = len(self._every.stamps) - self._next
+        if rest:
+            # A few are only laid on the strokes, because the whole drive is adjusted below.
+            self._take(self._followed(self._next, self._next + rest))
+            if self._solution is None or rest >= WINDOW:
+                self._draw()
+        log = self._log
         # The first pictures of a robot that is not known yet were laid out wrongly.
-        self._trace(total, FINE_SPACING, rough=self._calibrate)
+        self._trace(FINE_SPACING, rough=self._calibrate)
         if not self._strokes.traced:
             raise MappingError("the pictures show too little tape for a map")
         if self._calibrate:
-            self._adjust(total, WHOLE)
-            self._trace(total, FINE_SPACING)
-        solution = self._refined(self._adjust(total, WHOLE))
+            self._adjust(WHOLE)
+            self._trace(FINE_SPACING)
+        solution = self._refined(self._adjust(WHOLE))
         rays = RaysOnFloor.of(log, self._spec, self._state)
         own = without_redundant(self._strokes, solution.misses)
         real = [stroke for stroke in own if is_tape(stroke, self._width, rays)]
@@ -179,8 +202,8 @@ class Mapper:
         whole = joined(kept, rays)
         if whole is not kept or len(real) < len(self._strokes.traced):
             self._strokes = whole
-            self._refined(self._adjust(total, WHOLE[-1:]))
-        solution, quality = self._settled(total)
+            self._refined(self._adjust(WHOLE[-1:]))
+        solution, quality = self._settled()
         if self._calibrate and quality.contradictions:
             solution, quality = self._with_more_corners(solution, quality)
         rays = RaysOnFloor.of(log, self._spec, self._state)
@@ -195,16 +218,16 @@ class Mapper:
             self._strokes,
             solution,
             log.stamps,
-            self._adjustment(total).step_errors(self._state),
+            self._adjustment().step_errors(self._state),
             BareFloor.of(tidy.strokes, self._width, rays),
             SeenFloor.of(rays),
             rays,
             quality,
         )
 
-    def _settled(self, total: int) -> tuple[Solution, FitQuality]:
+    def _settled(self) -> tuple[Solution, FitQuality]:
         """Adjust the whole drive once more, held where it began, and ask how well it fits."""
-        solution = self._adjust(total, LAST, START_SD)
+        solution = self._adjust(LAST, START_SD)
         if self._calibrate:
             return self._by_ruler(solution)
         # The camera is held as described, which nobody has measured.
@@ -219,13 +242,13 @@ class Mapper:
         A corner that was taken for a bend pulls the scale until it looks like one, so it is looked
         for as where the path is rough.
         """
-        total, before = len(self._log.stamps), copy(self)
+        before = copy(self)
         self._strokes = cut_at_corners(self._strokes, rough=True)
         if self._strokes is before._strokes:
             return solution, quality
         try:
-            self._refined(self._adjust(total, WHOLE))
-            other, doubt = self._settled(total)
+            self._refined(self._adjust(WHOLE))
+            other, doubt = self._settled()
         except CalibrationError:
             doubt = quality
         if doubt.contradictions:
@@ -241,7 +264,7 @@ class Mapper:
         """
         sd = self._sd.copy()
         sd[TAPE] = RULER_SD
-        adjustment = self._adjustment(len(self._log.stamps), START_SD)
+        adjustment = self._adjustment(START_SD)
         state = replace(self._state, map=self._strokes.offsets)
         weights = Weights(sd=sd, gate=LAST[-1].gate)
         free = adjustment.solve(state, weights, LAST[-1].most, solution.misses.pixels)
@@ -262,18 +285,18 @@ class Mapper:
             if finer is self._strokes:
                 break
             self._strokes = finer
-            solution = self._adjust(len(self._log.stamps), WHOLE[-1:])
+            solution = self._adjust(WHOLE[-1:])
         return solution
 
     @property
     def mapped(self) -> int:
-        """How many of the pictures that are used are mapped."""
-        return 0 if self._solution is None else len(self._state.poses)
+        """How many of the pictures that show a motion are mapped."""
+        return 0 if self._solution is None else self._next
 
     @property
     def rays(self) -> RaysOnFloor:
         """The rays of the pictures that are mapped, on the floor."""
-        return RaysOnFloor.of(self._log.until(self.mapped), self._spec, self._state)
+        return RaysOnFloor.of(self._log, self._spec, self._state)
 
     def catch_up(self, report: Callable[[float], None] = lambda seconds: None) -> None:
         """Map the drive up to its last whole window of pictures.
@@ -281,73 +304,130 @@ class Mapper:
         Raises:
             CalibrationError: no path explains the drive.
         """
-        stamps = self._log.stamps
-        while (count := self.mapped + max(WINDOW, int(WINDOW_SHARE * self.mapped))) <= len(stamps):
-            self.grow(count)
-            report(float(stamps[count - 1] - stamps[0]))
+        stamps = self._every.stamps
+        while (until := self._next + self._window) <= len(stamps):
+            self.grow(until)
+            report(float(stamps[until - 1] - stamps[0]))
+
+    @property
+    def _window(self) -> int:
+        """How many pictures are followed before it is asked whether they bring something new."""
+        return WINDOW if self._passed else max(WINDOW, int(WINDOW_SHARE * len(self._kept)))
 
     def sketch(self) -> Sketch | None:
         """Return the map as far as it is drawn; None before the first window."""
         if self._solution is None:
             return None
-        errors = self._adjustment(self.mapped).step_errors(self._state)
-        return Sketch.of(self._strokes, self._solution, self._log.stamps, errors)
+        errors = self._adjustment().step_errors(self._state)
+        drawn = replace(self._solution, state=self._state)
+        last_pose = None if self._passed is None else self._passed.poses[-1]
+        stamp = float(self._every.stamps[self._next - 1])
+        return Sketch.of(self._strokes, drawn, self._log.stamps, errors, (stamp, last_pose))
 
-    def grow(self, count: int) -> None:
-        """Follow the drive to its picture of a number, and adjust all of it."""
-        seen, motion = self._part(count)
-        self._state = self._followed(seen, motion)
-        self._trace(count, rough=True)
-        self._adjust(count, (GROWING,))
+    def grow(self, until: int) -> None:
+        """Follow the drive to its picture of a number, and adjust all of it if that brings much."""
+        followed = self._followed(self._next, until)
+        passes = 0
+        if self._solution is not None:
+            passes = self._before.passes(followed, float(self._every.stamps[self._next]))
+        known = passes >= PASSES and not followed.is_pushed
+        if known and (self._passed is not None or self._is_tied):
+            self._passed, self._next = followed, until
+            return
+        self._take(followed)
+        self._is_tied = followed.is_tied
+        waiting = len(self._kept) - self._drawn
+        if not passes or waiting >= max(WINDOW, DEFERRED * self._drawn):
+            self._draw()
 
-    def _adjustment(self, count: int, start_sd: Array = LOOSE_SD) -> MapAdjustment:
-        return MapAdjustment(*self._part(count), self._strokes, self._start, np.diag(start_sd**2))
+    def _draw(self) -> None:
+        self._trace(rough=True)
+        matched = self._adjust((GROWING,)).misses
+        near = matched.picture[np.abs(matched.metres) < LEAST_GATE]
+        lying = np.bincount(near, minlength=len(self._kept)) + matched.near_ends
+        self._drawn = len(self._kept)
+        seen, poses = edges_of(self._log), self._state.poses
+        self._before = SeenBefore(poses, self._log.stamps, seen, lying)
 
-    def _part(self, count: int) -> tuple[Sightings, WheelMotion]:
-        return self._seen.part(0, count), WheelMotion.of(self._log.until(count), self._spec)
+    def _take(self, followed: Followed) -> None:
+        """Keep the pictures that follow; and those before them that were passed over last."""
+        count, state = len(followed.poses), self._state
+        first, poses = self._next, followed.poses
+        if self._passed is not None:
+            # What is new may have begun there: the wheels say how the robot came here.
+            first -= len(self._passed.poses)
+            poses = np.vstack([self._passed.poses, poses])
+            if first > self._kept[-1] + 1:
+                ends = np.vstack([state.poses[-1], poses[0]])
+                self._bridges = self._bridges.and_one(
+                    len(self._kept) - 1, ends, self._passed.first_covariance
+                )
+            self._passed = None
+        self._next += count
+        self._keep(np.concatenate([self._kept, np.arange(first, self._next)]))
+        slip = np.vstack([state.slip, np.zeros((len(poses), 2))])
+        self._state = replace(state, poses=np.vstack([state.poses, poses]), slip=slip)
+        self._covariance = followed.covariance
 
-    def _followed(self, seen: Sightings, motion: WheelMotion) -> DriveEstimate:
-        """Return the state with the poses of all pictures of the window."""
-        state, covariance = self._state, self._covariance
-        known, total = len(state.poses), len(motion.stamps)
-        slip = np.vstack([state.slip, np.zeros((total - known, 2))])
-        steps, _ = motion.steps(state.values, slip[:-1])
-        # Those that are mapped stay where they are.
-        seen = replace(seen.part(known, total), tape=self._strokes.edges)
-        floor = seen.floor_points(state.values, motion.twists(state.values)[known:])
-        poses = np.vstack([state.poses, np.zeros((total - known, 3))])
-        for k in range(known, total):
-            poses[k], covariance = predicted(poses[k - 1], covariance, steps[k - 1])
-            if not self._strokes.traced:
-                continue
-            reach = np.sqrt(np.trace(covariance[:2, :2]) + AHEAD**2 * covariance[2, 2])
-            gate = min(MOST_GATE, LEAST_GATE + 3 * float(reach))
-            place = seen.part(k - known, k - known + 1), floor.part(k - known, k - known + 1)
-            poses[k], covariance = laid(
-                poses[k], covariance, *place, state.values, gate, LEAST_MATCHED
-            )
-        return replace(state, poses=poses, slip=slip)
+    def _adjustment(self, start_sd: Array = LOOSE_SD) -> MapAdjustment:
+        seen, motion = self._seen, self._motion
+        covariance = np.diag(start_sd**2)
+        return MapAdjustment(seen, motion, self._strokes, self._start, covariance, self._bridges)
 
-    def _trace(self, count: int, spacing: float = SPACING, *, rough: bool = False) -> None:
+    @property
+    def _motion(self) -> WheelMotion:
+        return WheelMotion.of(self._log, self._spec, self._bridges.before)
+
+    def _followed(self, first: int, until: int) -> Followed:
+        """Return where the pictures between two numbers were taken, by wheels and strokes."""
+        state, passed = self._state, self._passed
+        pose = begin_pose = state.poses[-1] if passed is None else passed.poses[-1]
+        covariance = self._covariance if passed is None else passed.covariance
+        slip = np.zeros((until - first, 2))
+        if passed is None:
+            slip[0] = state.slip[-1]
+        log = self._every.between(first - 1, until)
+        motion = WheelMotion.of(log, self._spec)
+        steps, _ = motion.steps(state.values, slip)
+        edges = self._strokes.edges
+        seen = Sightings.of_edges(log.since(1), self._spec, edges)
+        floor = seen.floor_points(state.values, motion.twists(state.values)[1:])
+        poses = np.zeros((until - first, 3))
+        covariances = []
+        for k, step in enumerate(steps):
+            pose, covariance = predicted(pose, covariance, step)
+            if self._strokes.traced:
+                reach = np.sqrt(np.trace(covariance[:2, :2]) + AHEAD**2 * covariance[2, 2])
+                gate = min(MOST_GATE, LEAST_GATE + 3 * float(reach))
+                place = seen.part(k, k + 1), floor.part(k, k + 1)
+                pose, covariance = laid(pose, covariance, *place, state.values, gate, LEAST_MATCHED)
+            poses[k] = pose
+            covariances.append(covariance)
+        lying = np.zeros(len(poses), np.intp)
+        if self._strokes.traced:
+            matched = misses(seen, floor, poses, state.values, LEAST_GATE)
+            lying = np.bincount(matched.picture, minlength=len(poses)) + matched.near_ends
+        shown = edges_of(log.since(1))
+        return Followed(poses, covariance, covariances[0], shown, lying, begin_pose, steps)
+
+    def _trace(self, spacing: float = SPACING, *, rough: bool = False) -> None:
         """Draw the strokes anew, from where the path lies by now, with nodes at a distance [m]."""
-        seen, motion = self._part(count)
         state = self._state
-        points = seen.points(state.values, motion.twists(state.values, state.slip))
+        twists = self._motion.twists(state.values, state.slip)
+        points = self._seen.points(state.values, twists)
         middles = Middles.of(points, state.poses, self._width)
-        least = 2 if count <= 2 * WINDOW else 3
+        least = 2 if len(self._kept) <= 2 * WINDOW else 3
         # While the path is rough, what was seen a few times may be a second copy of other tape.
         cells = MiddleCells.of(middles, least, sparse=spacing == FINE_SPACING)
         self._strokes = Strokes.of(_traced(cells, spacing, rough=rough), self._width)
 
-    def _adjust(
-        self, count: int, stages: Sequence[AdjustmentStage], start_sd: Array = LOOSE_SD
-    ) -> Solution:
-        last = self._solution
+    def _adjust(self, stages: Sequence[AdjustmentStage], start_sd: Array = LOOSE_SD) -> Solution:
+        last, count = self._solution, len(self._kept)
         errors = last.misses.pixels if last is not None and len(last.state.poses) == count else None
         for stage in stages:
             state = replace(self._state, map=self._strokes.offsets)
             weights = Weights(sd=self._sd, gate=stage.gate, doubt=stage.doubt)
-            adjustment = self._adjustment(count, start_sd)
+            adjustment = self._adjustment(start_sd)
             solution = adjustment.solve(state, weights, stage.most, errors)
             errors = solution.misses.pixels
             moved = self._strokes.moved_by(solution.state.map)

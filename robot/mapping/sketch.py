@@ -35,7 +35,14 @@ class Sketch:
     """When the robot first moved otherwise than its wheels tell [s]; None if it never did."""
 
     @classmethod
-    def of(cls, strokes: Strokes, solution: Solution, stamps: Array, step_errors: Array) -> Sketch:
+    def of(
+        cls,
+        strokes: Strokes,
+        solution: Solution,
+        stamps: Array,
+        step_errors: Array,
+        last: tuple[float, Array | None],
+    ) -> Sketch:
         """Return the sketch of an adjustment.
 
         Args:
@@ -43,14 +50,17 @@ class Sketch:
             solution: the adjustment.
             stamps: of all pictures [s]; the later ones need not be in the adjustment.
             step_errors: (k - 1, 3) how far steps are from what the wheels tell, in deviations.
+            last: stamp of the last picture [s], and the pose (3,) of the robot there, if it is not
+                the last of the adjustment.
         """
+        stamp, pose = last
         path, ends = solution.state.poses, solution.misses.ends
         return cls(
             tuple(stroke.points for stroke in strokes.each),
             largest_by_stroke(strokes.each, node_sd(strokes, solution)),
-            path,
+            path if pose is None else np.vstack([path, pose]),
             ends[:: 1 + len(ends) // MOST_POINTS],
-            float(stamps[len(path) - 1]),
+            stamp,
             moved_at(step_errors, solution.state.slip, stamps),
         )
 
