@@ -21,6 +21,7 @@ RING = (
     'fill="none" stroke="black" stroke-width="50"/></svg>'
 )
 
+
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory) -> Path:
     return tmp_path_factory.mktemp("fields")

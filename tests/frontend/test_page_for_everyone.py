@@ -61,7 +61,9 @@ PICTURE = "A picture came too late to be used: it was exposed before all that is
 
 @pytest.mark.parametrize("height", [640, 844])
 @pytest.mark.parametrize("language", ["en", "de"])
-@pytest.mark.parametrize("problems", [[], [SETTING], [SETTING, PICTURE]], ids=["none", "one", "two"])
+@pytest.mark.parametrize(
+    "problems", [[], [SETTING], [SETTING, PICTURE]], ids=["none", "one", "two"]
+)
 def test_on_a_phone_the_field_keeps_its_room_below_what_is_told(
     browser, server, height, language, problems
 ):
