@@ -1,6 +1,7 @@
 // @ts-check
 import { find, findButton, findInput, make } from "../page/elements.js";
 import { t } from "../page/language.js";
+import { takeFiles } from "../page/dropped.js";
 import { Popover } from "../page/popover.js";
 import { written } from "./layouts.js";
 
@@ -32,6 +33,7 @@ export class LayoutMenu {
     findButton("layout-save").onclick = () => save(written(layout.tree));
     findButton("layout-open-file").onclick = () => this.#file.click();
     this.#file.onchange = () => this.#open();
+    takeFiles([".json"], () => t("layouts (.json)"), async ([file]) => layout.open(await file.text()));
     layout.onChange(() => this.#show());
     this.#show();
   }

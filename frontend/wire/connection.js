@@ -9,7 +9,7 @@ import { RobotClock } from "./clock.js";
 /** @typedef {import("../messages").TelemetryMessage} TelemetryMessage */
 /** @typedef {"connecting" | "open" | "lost"} LinkState */
 /**
- * @typedef {{sent: number, resolve: (ack: AckMessage) => void, reject: (error: Error) => void}}
+ * @typedef {{sent: number, patience?: number, resolve: (ack: AckMessage) => void, reject: (error: Error) => void}}
  *   Waiting
  */
 
@@ -17,6 +17,9 @@ const PING_EVERY_MS = 2000;
 /** After this many pings without any message, the connection counts as lost. */
 const MOST_SILENT = 3;
 const ANSWER_MS = 10000;
+/** Loading a field or a recording took 11.5 s on a busy machine; the page connects again anyway then. */
+const LOADED_MS = 60000;
+const LOADING = ["use_field", "open_recording", "close_recording"];
 /** Drive commands are dropped while more bytes wait: an old drive command is worse than none. */
 const FULL_BYTES = 4096;
 
@@ -77,7 +80,8 @@ export class Connection {
    */
   send(command) {
     return new Promise((resolve, reject) => {
-      if (!this.post(command, { sent: performance.now(), resolve, reject })) {
+      const patience = LOADING.includes(command.type) ? LOADED_MS : ANSWER_MS;
+      if (!this.post(command, { sent: performance.now(), patience, resolve, reject })) {
         reject(new CommandError(t("There is no connection to the robot.")));
       }
     });
@@ -165,7 +169,7 @@ export class Connection {
   /** Reject commands that were not answered in time. */
   #giveUp() {
     for (const [id, waiting] of this.#waiting) {
-      if (performance.now() - waiting.sent < ANSWER_MS) continue;
+      if (performance.now() - waiting.sent < (waiting.patience ?? ANSWER_MS)) continue;
       this.#waiting.delete(id);
       waiting.reject(new CommandError(t("The robot did not answer.")));
     }

@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 import pytest
 from axe import needs_axe, violations
-from browsing import PATIENCE_MS, opened, show_all, visit
+from browsing import PATIENCE_MS, drop, opened, show_all, visit
 from playwright.sync_api import Page, expect
 from serving import serving, started
 
@@ -20,13 +20,6 @@ RING = (
     f'<svg {SVG} width="900mm" height="900mm" viewBox="-450 -450 900 900"><circle r="300" '
     'fill="none" stroke="black" stroke-width="50"/></svg>'
 )
-DROP = """([names, texts]) => {
-  const files = new DataTransfer();
-  names.forEach((name, i) => files.items.add(
-    new File([Uint8Array.from(texts[i])], name)));
-  for (const type of ["dragover", "drop"])
-    window.dispatchEvent(new DragEvent(type, { dataTransfer: files, cancelable: true }));
-}"""
 
 
 @pytest.fixture(scope="module")
@@ -45,12 +38,6 @@ def server(folder):
 @pytest.fixture
 def page(browser, server) -> Iterator[Page]:
     yield from opened(browser, server, width=1100, height=760, view=False)
-
-
-def drop(page: Page, **files: str | bytes) -> None:
-    """Drop files on the page, by names in which a dot is written as two underscores."""
-    contents = [list(each.encode() if isinstance(each, str) else each) for each in files.values()]
-    page.evaluate(DROP, [[name.replace("__", ".") for name in files], contents])
 
 
 def on_field(page: Page, name: str) -> None:

@@ -1,7 +1,11 @@
 """The page for who sees little, has large thumbs, or works by keys and numbers."""
 
+import json
+import re
+
 import pytest
-from browsing import opened
+from browsing import opened, show_all, visit
+from playwright.sync_api import expect
 from serving import serving, until
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
@@ -49,6 +53,51 @@ def test_on_a_phone_all_targets_are_as_large_as_a_thumb(browser, server):
         page.get_by_role("tab", name="Map").click()
         field = page.locator("#map-canvas").bounding_box()
         assert min(field["width"], field["height"]) > 150
+
+
+SETTING = "A change was not taken: sigma_hit is -3; valid are values from 0.001 to 1."
+PICTURE = "A picture came too late to be used: it was exposed before all that is known of the way."
+
+
+@pytest.mark.parametrize("height", [640, 844])
+@pytest.mark.parametrize("language", ["en", "de"])
+@pytest.mark.parametrize(
+    "problems", [[], [SETTING], [SETTING, PICTURE]], ids=["none", "one", "two"]
+)
+def test_on_a_phone_the_field_keeps_its_room_below_what_is_told(
+    browser, server, height, language, problems
+):
+    size = {"width": 390, "height": height}
+    context = show_all(browser.new_context(viewport=size, locale=language))
+    page = context.new_page()
+    page.route_web_socket("**/api/live?*", lambda socket: _told(socket, problems))
+    visit(page, server.url)
+    page.get_by_role("tab", name="Karte" if language == "de" else "Map").click()
+    told = page.locator("#banner")
+    expect(told).to_have_text(re.compile("." if problems else "^$"))
+    # Where panels are higher than the page, they scroll, and the joystick stays.
+    page.locator("main").evaluate("main => main.scrollTo(0, main.scrollHeight)")
+    field, main = page.locator("#map-canvas").bounding_box(), page.locator("main").bounding_box()
+    drive = page.locator("#drive").bounding_box()
+    assert min(field["width"], field["height"]) >= 150
+    assert field["y"] >= main["y"], "cut above"
+    assert field["y"] + field["height"] <= drive["y"], "below the joystick"
+    assert drive["y"] + drive["height"] <= height, "the joystick is not in sight"
+    context.close()
+
+
+def _told(socket, problems):
+    """Between page and program: telemetry has these ``problems``."""
+    program = socket.connect_to_server()
+    socket.on_message(program.send)
+
+    def pass_on(text):
+        message = json.loads(text)
+        if message["type"] == "telemetry":
+            message["problems"] = problems
+        socket.send(json.dumps(message))
+
+    program.on_message(pass_on)
 
 
 def test_a_skip_link_leads_to_the_map(page):

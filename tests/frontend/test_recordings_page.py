@@ -5,7 +5,7 @@ from pathlib import Path
 from urllib.request import urlopen
 
 import pytest
-from browsing import opened
+from browsing import drop, drop_as_a_hand_does, opened
 from playwright.sync_api import expect
 from serving import ask, serving, until
 
@@ -103,3 +103,88 @@ def test_a_parameter_is_typed_and_shown_with_the_languages_decimal_sign(page, se
     with urlopen(f"{server.url}/api/parameters") as answer:
         values = {row["name"]: row["value"] for row in json.load(answer)}
     assert values["z_rand"] == 0.25
+
+
+@pytest.fixture
+def english(browser, server):
+    yield from opened(browser, server, width=1366, height=768, view=False)
+
+
+@pytest.fixture
+def file(server, tmp_path):
+    """A recording on the disk, as somebody sent it."""
+    with urlopen(f"{server.url}/api/recordings/{names(server)[0]}") as answer:
+        path = tmp_path / "lecture_0.mcap"
+        path.write_bytes(answer.read())
+    return path
+
+
+@pytest.mark.parametrize("over", ["#map-canvas", "#camera-canvas", ".bar"])
+def test_a_recording_that_is_dropped_on_the_page_plays(english, server, file, over):
+    drop_as_a_hand_does(english, file, over=over)
+    expect(english.locator("#replay")).to_be_visible()
+    expect(english.locator("#robot-state")).to_have_text("replay")
+    expect(english.locator(".drop-sign")).to_be_hidden()
+    expect(english.locator("#recordings")).to_be_hidden()
+    # Byte for byte the same, it is kept once.
+    assert [name for name in names(server) if name.startswith("lecture")] == ["lecture"]
+    english.get_by_role("button", name="Back to the robot").click()
+    expect(english.locator("#replay")).to_be_hidden()
+
+
+def test_another_recording_of_the_same_name_is_kept_beside_it(english, server, file):
+    taken = file.rename(file.with_name("my drive, 1.mcap"))
+    drop_as_a_hand_does(english, taken, over="#map-canvas")
+    expect(english.locator("#replay")).to_be_visible()
+    english.get_by_role("button", name="Back to the robot").click()
+    expect(english.locator("#replay")).to_be_hidden()
+    with server.live() as live:
+        ask(live, type="record", on=True)
+        until(live, lambda now: now["recording"] and now["recording"]["duration_s"] > 1)
+        ask(live, type="record", on=False)
+        until(live, lambda now: not now["recording"]["running"])
+    newest = max(names(server), key=lambda name: name if name.startswith("brickpose_") else "")
+    with urlopen(f"{server.url}/api/recordings/{newest}") as answer:
+        taken.write_bytes(answer.read())
+    drop_as_a_hand_does(english, taken, over="#map-canvas")
+    expect(english.locator("#replay")).to_be_visible()
+    assert {"my-drive-1", "my-drive-1-2"} <= set(names(server))
+    english.get_by_role("button", name="Back to the robot").click()
+    expect(english.locator("#replay")).to_be_hidden()
+
+
+def test_several_recordings_are_listed_and_none_is_opened(english, server, file):
+    other = file.with_name("homework.mcap")
+    other.write_bytes(file.read_bytes())
+    file = file.rename(file.with_name("first.mcap"))
+    drop_as_a_hand_does(english, file, other, over="#map-canvas")
+    for name in ("first", "homework"):
+        expect(english.get_by_role("button", name=f"Delete {name}")).to_be_visible()
+    expect(english.locator("#replay")).to_be_hidden()
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "words"),
+    [
+        ("notes.mcap", b"no recording", "valid is an MCAP file"),
+        ("empty.mcap", b"", "valid is an MCAP file"),
+        ("talk.pptx", b"PK", "talk.pptx is no file that this page can open. Valid are"),
+        ("noending", b"x", "noending is no file that this page can open. Valid are"),
+        ("layout.json", b"{}", "no layout"),
+    ],
+)
+def test_what_cannot_be_opened_is_told_with_what_can(english, server, file, name, content, words):
+    before, there = names(server), file.with_name(name)
+    there.write_bytes(content)
+    drop_as_a_hand_does(english, there, over="#map-canvas")
+    expect(english.locator("#toasts")).to_contain_text(words)
+    expect(english.locator("#replay")).to_be_hidden()
+    expect(english.locator(".drop-sign")).to_be_hidden()
+    assert names(server) == before
+
+
+def test_a_layout_that_is_dropped_is_taken(english):
+    layout = {"kind": "brickpose-layout-1", "tree": "map"}
+    drop(english, layout__json=json.dumps(layout))
+    expect(english.locator("#camera")).to_be_hidden()
+    expect(english.locator("#map")).to_be_visible()

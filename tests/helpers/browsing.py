@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
 
 from playwright.sync_api import Browser, BrowserContext, Page, expect
 from serving import ServedProgram, ask, until
@@ -81,3 +82,30 @@ def opened(
     with server.live() as after:
         ask(after, type="stop")
         until(after, lambda now: now["mode"] == "idle")
+
+
+DROP = """([names, texts]) => {
+  const files = new DataTransfer();
+  names.forEach((name, i) => files.items.add(
+    new File([Uint8Array.from(texts[i])], name)));
+  for (const type of ["dragover", "drop"])
+    window.dispatchEvent(new DragEvent(type, { dataTransfer: files, cancelable: true }));
+}"""
+
+
+def drop(page: Page, **files: str | bytes) -> None:
+    """Drop files on the page, by names in which a dot is written as two underscores."""
+    contents = [list(each.encode() if isinstance(each, str) else each) for each in files.values()]
+    page.evaluate(DROP, [[name.replace("__", ".") for name in files], contents])
+
+
+def drop_as_a_hand_does(page: Page, *paths: Path, over: str = "body") -> None:
+    """Drag files of the disk over a part of the page, and let them go there."""
+    box = page.locator(over).bounding_box()
+    assert box is not None, over
+    at = {"x": box["x"] + box["width"] / 2, "y": box["y"] + box["height"] / 2}
+    data = {"items": [], "files": [str(path) for path in paths], "dragOperationsMask": 1}
+    session = page.context.new_cdp_session(page)
+    for kind in ("dragEnter", "dragOver", "drop"):
+        session.send("Input.dispatchDragEvent", {"type": kind, **at, "data": data})
+    session.detach()

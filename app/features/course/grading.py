@@ -10,7 +10,13 @@ import numpy as np
 
 from app.features.course.grader.case import Case, Checks, FormError, numbers
 from app.features.course.grader.causes.causes import cause_of
-from app.features.course.grader.diagnosis import Diagnosis, Measured, diagnose, expected_features
+from app.features.course.grader.diagnosis import (
+    Diagnosis,
+    Measured,
+    agree,
+    diagnose,
+    expected_features,
+)
 from app.features.course.grader.finding import Flaw, LessonResult
 from app.features.course.grader.words import Words
 from app.features.course.lesson import Lesson
@@ -121,10 +127,36 @@ def _named(
     failed = [item for item in measured if not item.passed]
     sure = not failed or any(item.certain for item in diagnoses)
     if not sure:
+        remembered = _remembered(process, lesson, measured)
+        if remembered is not None:
+            return [remembered], True
         change = mend(process, lesson.checks, measured, clock)
         if change is not None:
             return [_slip(lesson, change, failed[0])], True
     return [_explained(lesson, lesson.checks, item) for item in diagnoses], sure
+
+
+def _remembered(
+    process: StudentProcess, lesson: Lesson, measured: Sequence[Measured]
+) -> Flaw | None:
+    """Ask the first case once more: whoever answers otherwise keeps something between calls."""
+    first = measured[0]
+    if first.case.play is not None:
+        return None
+    try:
+        second = lesson.checks.features(answered(process, first.case))
+    except (StudentError, FormError):
+        return None
+    if agree(second, first.given, first.case.tolerance):
+        return None
+    words = Words(
+        "Your code: {given}. Asked the same once more: {again}.",
+        {
+            "given": lesson.checks.show(first.case, first.given),
+            "again": lesson.checks.show(first.case, second),
+        },
+    )
+    return _finding(lesson, "remembered", first.case, words)
 
 
 def _slip(lesson: Lesson, change: Mended, measured: Measured) -> Flaw:

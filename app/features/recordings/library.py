@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import filecmp
 import re
 import shutil
 import time
@@ -183,19 +184,25 @@ def delete(parent: Path, name: str) -> None:
 
 
 def add(parent: Path, name: str, file: Path) -> None:
-    """Take a recording into a folder; ``file`` is moved there.
+    """Take a recording into a folder; ``file`` is moved there, unless it is there by that name.
 
     Raises:
         RecordingError: it is none, or its name is not valid or taken.
         CostlyFileError: it takes too much time or memory.
         OSError: it cannot be moved.
     """
+    if _is_there(parent / name / f"{name}_0.mcap", file):
+        return
     _require_free(parent, name)
     read_apart(open_recording, file)
     whole = file.parent / name
     whole.mkdir()
     file.rename(whole / f"{name}_0.mcap")
     whole.rename(parent / name)
+
+
+def _is_there(known: Path, file: Path) -> bool:
+    return known.is_file() and filecmp.cmp(known, file, shallow=False)
 
 
 def remove_left(parent: Path) -> None:

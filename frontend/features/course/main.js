@@ -105,7 +105,12 @@ function placeRobot() {
   }
 }
 
-connection.onState((state) => state === "open" && placeRobot());
+connection.onState((state) => {
+  document.body.dataset.link = state;
+  if (state !== "open") return;
+  setText(banner, ""); // what was refused for want of a connection can be pressed again
+  placeRobot();
+});
 connection.start();
 try {
   show(await getJson(`api/lessons/${number}`));

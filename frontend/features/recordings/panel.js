@@ -11,6 +11,9 @@ import { recordingRow } from "./row.js";
 /** @typedef {import("../../messages").ReplayMessage} ReplayMessage */
 /** @typedef {import("../../page/toasts.js").Toasts} Toasts */
 
+/** Recordings of one name, told apart by a number; more are refused by the name that is taken. */
+const MOST_ALIKE = 20;
+
 /** The recordings of this computer: a list to open, describe and delete; files can be dropped. */
 export class RecordingsPanel {
   #popover = new Popover("recordings", undefined, () => this.#load());
@@ -18,6 +21,7 @@ export class RecordingsPanel {
   #file = findInput("recordings-file");
   #back = findButton("replay-end");
   #drives = false;
+  #replays = false;
 
   /** @param {(command: Command) => Promise<boolean>} order @param {Toasts} toasts */
   constructor(order, toasts) {
@@ -30,6 +34,9 @@ export class RecordingsPanel {
 
   /** @param {ReplayMessage | null} replay @param {string} mode what the robot does */
   show(replay, mode) {
+    // What has been opened is not hidden by the list, whoever opened it, and however late.
+    if (replay && !this.#replays) this.#popover.show(false);
+    this.#replays = replay !== null;
     this.#drives = !replay && mode !== "idle";
     this.#back.hidden = !replay?.robot_waits;
   }
@@ -47,6 +54,7 @@ export class RecordingsPanel {
 
   /** Go on with a recording in place of the robot. @param {string} name */
   async open(name) {
+    this.toasts.show(t("{name} is being opened; then the page connects again.", { name }), "note");
     if (await this.order({ type: "open_recording", name })) this.#popover.show(false);
   }
 
@@ -76,24 +84,39 @@ export class RecordingsPanel {
     if (files.length === 0) return taken;
     this.#popover.show(true);
     for (const file of files) {
-      const name = file.name.replace(/(_0)?\.mcap$/, "");
-      if (await this.#ask(name, "PUT", file)) taken.push(name);
+      const name = await this.#keep(file);
+      if (name !== null) taken.push(name);
     }
     this.#file.value = "";
     return taken;
   }
 
+  /** Keep a file by its name, or by one like it if another recording has that; null if it was refused. @param {File} file */
+  async #keep(file) {
+    const plain = file.name.replace(/(_0)?\.mcap$/i, "").replace(/[^\w.-]+/g, "-");
+    const known = /** @type {RecordingEntry[]} */ (await getJson("api/recordings")).map((entry) => entry.name);
+    let name = plain;
+    for (let count = 2; count <= MOST_ALIKE; count += 1) {
+      // What is there already, byte for byte, is taken once more, and not kept twice.
+      if (await this.#ask(name, "PUT", file, true, known.includes(name))) return name;
+      if (!known.includes(name)) return null;
+      name = `${plain}-${count}`;
+    }
+    return null;
+  }
+
   /**
    * @param {string} name @param {string} method @param {BodyInit} [body]
    * @param {boolean} [again] whether the list is another then; rows that stay can be typed in
+   * @param {boolean} [quiet] whether somebody else says what went wrong
    * @returns whether it was done
    */
-  async #ask(name, method, body, again = true) {
+  async #ask(name, method, body, again = true, quiet = false) {
     let done = true;
     try {
       await send(`api/recordings/${encodeURIComponent(name)}`, method, body);
     } catch (error) {
-      this.toasts.fail(error);
+      if (!quiet) this.toasts.fail(error);
       done = false;
     }
     if (again) await this.#load();

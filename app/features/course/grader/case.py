@@ -110,6 +110,9 @@ class Checks:
     features: Callable[[Outcome], Array]
     """What is compared of an outcome. Raises FormError if the result has another form."""
     expected: Variant
+    rough: Callable[[Case, frozenset[str]], tuple[Array, Array]] | None = None
+    """Features with mistakes by far fewer samples, and how far what is given may be from them:
+    most mistakes are excluded by those."""
     hypotheses: tuple[Hypothesis, ...] = ()
     signs: Callable[[Sequence[Outcome]], Iterable[Sign]] = lambda _: ()
     show: Callable[[Case, Array], str] = lambda _case, features: numbers(features)

@@ -106,7 +106,10 @@ def _explained(
     """Find as many mistakes that give all the features of the student's code."""
     for mistakes in _sets(checks.hypotheses, count):
         # The failed cases first: one of them already excludes most hypotheses.
-        if all(_gives(checks, item, mistakes) for item in (*failed, *measured)):
+        asked = (*failed, *measured)
+        if not all(_may_give(checks, item, mistakes) for item in asked):
+            continue
+        if all(_gives(checks, item, mistakes) for item in asked):
             yield from _named(checks, mistakes, failed)
             return
 
@@ -116,6 +119,13 @@ def _sets(hypotheses: tuple[Hypothesis, ...], count: int) -> Iterator[tuple[Hypo
         names = {item.mistake for item in chosen}
         if not any(item.excludes & (names - {item.mistake}) for item in chosen):
             yield chosen
+
+
+def _may_give(checks: Checks, item: Measured, chosen: tuple[Hypothesis, ...]) -> bool:
+    if checks.rough is None or len(chosen) == 1:  # of pairs there are thousands
+        return True
+    mistakes = frozenset(hypothesis.mistake for hypothesis in chosen)
+    return agree(item.given, *checks.rough(item.case, mistakes))
 
 
 def _gives(checks: Checks, item: Measured, chosen: tuple[Hypothesis, ...]) -> bool:

@@ -151,7 +151,7 @@ def mended(source: str, functions: Iterable[str]) -> Iterator[tuple[Edit, str]]:
         try:
             changed = {home[id(edit.parent)] for edit in chosen}
             written = [
-                ast.unparse(ast.fix_missing_locations(item)) if place in changed else parts[place]
+                _written(item) if place in changed else parts[place]
                 for place, item in enumerate(tree.body)
             ]
         except (AttributeError, TypeError, ValueError, RecursionError):
@@ -160,6 +160,13 @@ def mended(source: str, functions: Iterable[str]) -> Iterator[tuple[Edit, str]]:
             for edit in reversed(chosen):
                 edit.end()
         yield chosen[0], "\n".join(written)
+
+
+def _written(item: ast.stmt) -> str:
+    try:
+        return ast.unparse(item)
+    except AttributeError:  # a statement that is new has no line yet, and few changes make one
+        return ast.unparse(ast.fix_missing_locations(item))
 
 
 def _rank(edit: Edit) -> tuple[int, bool]:

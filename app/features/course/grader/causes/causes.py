@@ -19,6 +19,12 @@ ANY = {
         "The function writes into the arrays that it was given.",
         "Work on a copy: poses = poses.copy().",
     ),
+    "remembered": Cause(
+        "The same question gets another answer the second time.",
+        "The function keeps something between its calls: in a global variable, or in a list that "
+        "stands in its first line as a default.",
+        "All that the result depends on is in the arguments; begin with those at each call.",
+    ),
     "form": Cause(
         "The result cannot be used.",
         "It has another form than the lesson asks for.",

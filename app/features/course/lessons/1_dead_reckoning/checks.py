@@ -112,9 +112,9 @@ def expected(case: Case, mistakes: frozenset[str]) -> Array:
     x, y = way * math.cos(along_x), way * math.sin(along_y)
     if "sine-first" in mistakes:
         x, y = y, x
-    if "from-zero" in mistakes:
-        return np.array([x, y, math.cos(pose[2] + turn), math.sin(pose[2] + turn)])
     theta = turn if "heading-lost" in mistakes else pose[2] + turn
+    if "from-zero" in mistakes:
+        return np.array([x, y, math.cos(theta), math.sin(theta)])
     theta = pose[2] if "turn-lost" in mistakes else theta
     x = 0.0 if "x-kept" in mistakes else x
     y = 0.0 if "y-kept" in mistakes else y

@@ -20,8 +20,8 @@ from app.features.course.grader.mistaken_motion import ORDERS, sampled
 from app.features.course.grader.words import Words
 from robot.geometry import Array, compose, wrap_angle
 
-COUNT, MANY = 6000, 20_000
-"""Particles of a cloud whose spread is measured, and of the reference's."""
+COUNT, MANY, FEW = 6000, 20_000, 1000
+"""Particles of a cloud whose spread is measured, of the reference's, and of a quick look at it."""
 LIKELY = 6.0
 """Standard errors that a correct cloud never differs by, and no seed of the checks comes near."""
 ALIKE = 2e-6
@@ -137,14 +137,28 @@ def expected(case: Case, mistakes: frozenset[str]) -> Array:
     poses, moved, alphas = case.arguments
     if not _is_cloud(case):
         return headings_apart(sampled(poses, moved, alphas, mistakes, 7))
-    return _reference_spread(tuple(moved), tuple(alphas), mistakes)
+    return _reference_spread(tuple(moved), tuple(alphas), mistakes, MANY)
 
 
-@lru_cache(maxsize=4096)
+def rough(case: Case, mistakes: frozenset[str]) -> tuple[Array, Array]:
+    """The features of a small cloud, and how far those of a large one may be from them."""
+    if not _is_cloud(case):
+        return expected(case, mistakes), np.asarray(case.tolerance)
+    _, moved, alphas = case.arguments
+    # The tolerance is that of COUNT particles against a reference without an error of its own.
+    wider = np.asarray(case.tolerance) * math.sqrt(1 + COUNT / FEW)
+    small = _reference_spread(tuple(moved), tuple(alphas), mistakes, FEW)
+    wider[:3] *= 1 + np.abs(
+        small[:3]
+    )  # a large shift is as uncertain as the deviation it is told in
+    return small, wider
+
+
+@lru_cache(maxsize=8192)
 def _reference_spread(
-    moved: tuple[float, ...], alphas: tuple[float, ...], mistakes: frozenset[str]
+    moved: tuple[float, ...], alphas: tuple[float, ...], mistakes: frozenset[str], count: int
 ) -> Array:
-    case = Case("motion", (np.zeros((MANY, 3)), np.array(moved), np.array(alphas)), Words(""))
+    case = Case("motion", (np.zeros((count, 3)), np.array(moved), np.array(alphas)), Words(""))
     return _spread(sampled(*_given(case), mistakes, 1), case)
 
 
@@ -255,6 +269,7 @@ CHECKS = Checks(
     cases=cases,
     features=features,
     expected=expected,
+    rough=rough,
     hypotheses=(
         *(Hypothesis(name, "M1") for name in ("not-turned", "not-turned-x", "not-turned-y")),
         Hypothesis("reverse-turns", "M3", kind="reverse"),

@@ -39,6 +39,9 @@ MILD = np.array([0.0, -0.7, -0.4, -0.9])
 LONE = np.array([0.0, -2000.0, -2001.0, -2005.0])
 HEAVY = np.array([0.91, 0.03, 0.03, 0.03])
 GOOD, BAD = np.log([0.6, 0.25, 0.1, 0.05]), np.log([0.71, 0.2, 0.05, 0.04])
+MANY = np.full(10, 0.1)
+MANY_GOOD = np.log([0.33, 0.2, 0.1, 0.1, 0.07, 0.06, 0.05, 0.04, 0.03, 0.02])
+MANY_BAD = np.log([0.4, 0.2, 0.1, 0.08, 0.06, 0.05, 0.04, 0.03, 0.02, 0.02])
 STEP = (0.05, 0, 0)
 MOVES = (
     ("flat", "It moved 50 mm; all fit alike; the weights were uneven.", STEP, UNEVEN, FLAT),
@@ -60,6 +63,8 @@ MOVES = (
     ("survive", "It moved 50 mm; one particle fits, the others not at all.", STEP, UNEVEN, LONE),
     ("edge", "The effective sample size is 2.2 of 4.", STEP, EVEN, GOOD),
     ("edge", "The effective sample size is 1.8 of 4.", STEP, EVEN, BAD),
+    ("edge", "The effective sample size is 5.5 of 10.", STEP, MANY, MANY_GOOD),
+    ("edge", "The effective sample size is 4.4 of 10.", STEP, MANY, MANY_BAD),
 )  # fmt: skip
 RUNS, ROUNDS, COUNT = 20, 8, 150
 """Drives through the small world, each with its own seed."""
@@ -96,8 +101,8 @@ class CountedParts:
         """Draw the heaviest twice, and forget the lightest."""
         self.calls["resample"] += 1
         order = np.argsort(-np.nan_to_num(np.asarray(weights)), kind="stable")
-        drawn = order[[0, 0, 1, 2]]
-        return np.asarray(poses)[drawn], np.full(4, 0.25)
+        drawn = np.append(order[0], order[:-1])
+        return np.asarray(poses)[drawn], np.full(len(drawn), 1 / len(drawn))
 
     @property
     def offered(self) -> dict[str, Callable[..., Any]]:
@@ -121,7 +126,10 @@ def cases(seed: int) -> list[Case]:
 def _round(move: tuple[str, str, Any, Array, Array], rng: np.random.Generator) -> Case:
     kind, text, moved, weights, fits = move
     recorder = CountedParts(fits)
-    poses = np.column_stack([np.full(4, 0.3), rng.uniform(-0.02, 0.02, 4), rng.uniform(-1, 1, 4)])
+    count = len(weights)
+    poses = np.column_stack(
+        [np.full(count, 0.3), rng.uniform(-0.02, 0.02, count), rng.uniform(-1, 1, count)]
+    )
     if kind in ("flat", "edge"):
         poses[:, 1] = 0.0
     arguments = (poses, weights.copy(), np.array(moved, dtype=float), 0.3, PARTS)
@@ -163,8 +171,12 @@ def features(outcome: Outcome) -> Array:
     if outcome.case.kind == "drives":
         return np.array([outcome.result])
     if outcome not in _TOLD:  # the case's counts are those of its last round alone
-        _TOLD[outcome] = _features(*_valid(outcome.result, 4), outcome.case)
+        _TOLD[outcome] = _features(*_valid(outcome.result, _count(outcome.case)), outcome.case)
     return _TOLD[outcome]
+
+
+def _count(case: Case) -> int:
+    return len(case.arguments[1])
 
 
 def _features(poses: Array, weights: Array, case: Case) -> Array:
@@ -295,11 +307,12 @@ def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
         if outcome.case.kind == "drives":
             continue
         given, due = features(outcome), expected(outcome.case, REFERENCE)
-        if outcome.case.kind == "stand" and np.abs(given[:4] - due[:4]).max() > 1e-9:
+        weights = slice(_count(outcome.case))
+        if outcome.case.kind == "stand" and np.abs(given[weights] - due[weights]).max() > 1e-9:
             yield Sign("R5", outcome)
-        if even and not np.isfinite(given[:4]).all():
+        if even and not np.isfinite(given[weights]).all():
             yield Sign("S1", outcome, weak=True)
-        if even and outcome.case.kind == "flat" and np.ptp(given[:4]) < 1e-9 and not given[-1]:
+        if even and outcome.case.kind == "flat" and np.ptp(given[weights]) < 1e-9 and not given[-1]:
             yield Sign("R6", outcome)
     yield from _areas(outcomes)
 
@@ -334,7 +347,7 @@ def show(case: Case, values: Array) -> str:
         return f"{round(RUNS * values[0])}/{RUNS}"
     asked = values[-3:] > 0
     names = [name for name, was in zip(vars(PARTS), asked, strict=True) if was]
-    weights = ", ".join(f"{weight:.3f}" for weight in values[:4])
+    weights = ", ".join(f"{weight:.3f}" for weight in values[: _count(case)])
     called = ", ".join(names) or "–"
     return f"{weights}; called: {called}"
 
@@ -343,7 +356,8 @@ def picture(outcome: Outcome, due: Array, given: Array) -> str:
     """Draw the weights."""
     if outcome.case.kind == "drives":
         return ""
-    return draw_bars(due[:4], given[:4], ["0", "1", "2", "3"])
+    count = _count(outcome.case)
+    return draw_bars(due[:count], given[:count], [str(number) for number in range(count)])
 
 
 CHECKS = Checks(
