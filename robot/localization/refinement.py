@@ -25,8 +25,7 @@ NEAR_SHARE = 0.1
 BELIEVED = 16.0
 """Factor by which the pose's variance is smaller than the spread of its rays says. That spread
 weighs the rays against the cloud, and gives the most exact pose; this factor then makes the
-covariance honest (NEES near 3). Half and twice: certain in 31 to 32 % of pictures instead of 30.5,
-and misleading as often."""
+covariance honest. Half and twice: nothing changes beyond chance (``--few``)."""
 WIDEST = 5.0
 """A hypothesis wider than this many standard deviations of a range is not refined: its mean may lie
 between two places."""

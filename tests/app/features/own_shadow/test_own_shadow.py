@@ -94,7 +94,7 @@ def test_a_stripe_ahead_is_found_within_two_seconds_and_tape_never(way: str, sla
             shares.append(np.count_nonzero(found) / np.count_nonzero(stripe))
     assert np.median(shares) > 0.9
     # Where tape begins beside it, a row may have some rays of that in a picture.
-    assert wrong <= 5
+    assert wrong < 0.002 * len(BEARINGS) * len(WAYS[way])
 
 
 @pytest.mark.parametrize(
@@ -156,7 +156,7 @@ def test_what_it_hides_is_unknown_and_it_is_said_while_it_is_seen() -> None:
             last = scan.stamp
         says = clears.problems["own_shadow"] is not None
         assert says == (scan.stamp < last + SHOWN)
-    assert 4.5 < last
+    assert last > 4.5
 
 
 @pytest.mark.parametrize("rays", [0, 1, 7, 8, 9, 12])
