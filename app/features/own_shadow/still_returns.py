@@ -120,8 +120,8 @@ class StillReturns:
         self._known = self._known | _rows_with(stays, self._known)
         beside = np.convolve(self._known, np.ones(2 * BESIDE + 1), "same") > 0
         self._known = self._known | (beside & stayed & (self._seen_way > ACROSS))
-        found: Rays = stayed & self._known
-        return found
+        still: Rays = stayed & self._known
+        return still
 
     def _compare(self, scan: Scan, step: Pose2) -> None:
         """Count the returns that have moved in the last stride."""
