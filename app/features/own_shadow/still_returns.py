@@ -53,6 +53,10 @@ FEWEST = 6
 89.1."""
 
 
+LONGEST = 1.0
+"""After a longer time, or one that runs back, as in a replay, nothing is known [s]."""
+
+
 class StillReturns:
     """Remembers of each ray since when its return has been where it is."""
 
@@ -60,6 +64,7 @@ class StillReturns:
         """Begin with nothing known."""
         self._begin(np.empty(0))
         self._last: Pose2 | None = None
+        self._stamp = -math.inf
         self._stride = 0.0
         """Way since returns were last compared [m]."""
         self._moves = 0
@@ -91,11 +96,13 @@ class StillReturns:
         """Return which rays (k,) of a scan returned something that travels with the robot.
 
         Args:
-            scan: a scan with the bearings of the last one; else it begins again.
+            scan: a scan soon after the last one, with its bearings; else it begins again.
             odometry: the robot in the odom frame at the scan's stamp.
         """
-        if not np.array_equal(scan.bearings, self._bearings):
+        elapsed, self._stamp = scan.stamp - self._stamp, scan.stamp
+        if not (0 < elapsed < LONGEST and np.array_equal(scan.bearings, self._bearings)):
             self._begin(scan.bearings)
+            self._last = None
         if len(scan.bearings) < FEWEST + BESIDE:
             return np.zeros(len(scan.bearings), bool)
         step = Pose2() if self._last is None else self._last.inverse() @ odometry

@@ -165,3 +165,12 @@ def test_scans_of_few_rays_are_scans(rays: int) -> None:
     for number in range(20):
         scan = Scan(number * PERIOD, np.linspace(-0.5, 0.5, rays), np.full(rays, 0.4))
         assert not still.find(scan, Pose2(0.01 * number)).any()
+
+
+@pytest.mark.parametrize("elapsed", [0.0, -1.0, 5.0])
+def test_the_same_scan_again_after_a_jump_in_time_stands_still_for_nothing(elapsed: float) -> None:
+    still, rng = StillReturns(), np.random.default_rng(10)
+    (*_, (last, pose)) = scans(CROSSINGS, [AHEAD] * 30, rng)
+    for number in range(30):
+        again = Scan(number * elapsed, BEARINGS, last.ranges, CENTRE)
+        assert not still.find(again, pose @ Pose2(0.1 * number)).any()
