@@ -855,6 +855,8 @@ export interface MapDrawingMessage {
   remarks: string[];
   /** How many changes of a finished map can be taken back. */
   changes: number;
+  /** Whether a finished map contradicts itself: it is saved only if that is asked for. */
+  contradictory?: boolean;
 }
 
 /** The map that is drawn by driving, or the last one. */

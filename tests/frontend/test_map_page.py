@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 import httpx
 import numpy as np
 import pytest
@@ -36,6 +38,18 @@ def page(browser, server):
     yield from opened(browser, server, width=1280, height=720, view=False)
 
 
+RECORDS_WHAT_IS_SENT = """() => {
+  window.sent = [];
+  const send = WebSocket.prototype.send;
+  WebSocket.prototype.send = function (text) { window.sent.push(String(text)); send.call(this, text); };
+}"""
+
+
+def doubted(route):
+    answer = route.fetch()
+    route.fulfill(response=answer, json={**answer.json(), "contradictory": True})
+
+
 def test_the_square_is_mapped_saved_and_used(page, server, folder):
     page.locator("#mapping-open").click()
     state = page.locator("#mapping-state")
@@ -49,6 +63,7 @@ def test_the_square_is_mapped_saved_and_used(page, server, folder):
     expect(page.locator("#mapping-remarks")).to_contain_text("strokes of tape")
     drawn = httpx.get(server.url + "/api/mapping.svg", timeout=20, trust_env=False)
     assert "attachment" in drawn.headers["content-disposition"]
+    expect(page.locator("#mapping-force")).to_be_hidden()
     page.locator("#mapping-name").fill("kitchen")
     page.locator("#mapping-use").click()
     expect(page.locator("#stat-field")).to_have_text("kitchen")
@@ -64,3 +79,22 @@ def test_the_square_is_mapped_saved_and_used(page, server, folder):
     assert np.median(errors[len(errors) // 4 :]) < 0.006
     page.locator("#mapping-open").click()
     expect(state).to_contain_text("Drive along all of the tape")
+
+
+def test_a_map_that_contradicts_itself_is_saved_if_that_is_asked_for(page, folder):
+    page.route("**/api/mapping", doubted)
+    page.locator("#mapping-open").click()
+    page.locator("#mapping-start").click()
+    page.locator("#figure-eight").click()
+    page.wait_for_function(f"window.brickpose.telemetry.mapping?.seconds > {SHORTEST_S}")
+    page.locator("#figure-eight").click()
+    page.locator("#mapping-finish").click()
+    page.evaluate(RECORDS_WHAT_IS_SENT)
+    expect(page.locator("#mapping-state")).to_contain_text("The map is done")
+    page.locator("#mapping-name").fill("doubted")
+    page.get_by_label("Save it although it contradicts itself").check()
+    page.locator("#mapping-keep").click()
+    expect(page.locator("#mapping-state")).to_have_text("The map is saved as doubted.")
+    (sent,) = [text for text in page.evaluate("window.sent") if "save_map" in text]
+    assert json.loads(sent)["force"] is True
+    assert (folder / "doubted.svg").is_file()

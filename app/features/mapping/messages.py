@@ -155,6 +155,8 @@ class MapDrawingMessage(Message):
     """What is wrong with a finished map, or may be wrong."""
     changes: int
     """How many changes of a finished map can be taken back."""
+    contradictory: bool = False
+    """Whether a finished map contradicts itself: it is saved only if that is asked for."""
 
 
 MESSAGES = (MapDrawingMessage,)

@@ -116,6 +116,7 @@ def _finished(drawn: TapeMap, drawing: MapDrawing) -> MapDrawingMessage:
         facts=list(drawn.facts),
         remarks=list(drawn.remarks),
         changes=len(drawing.earlier),
+        contradictory=bool(drawn.quality.contradictions),
     )
 
 

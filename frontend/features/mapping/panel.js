@@ -28,6 +28,8 @@ export class MappingPanel {
   #strokes = find("mapping-strokes", HTMLElement);
   #save = find("mapping-save", HTMLFormElement);
   #name = findInput("mapping-name");
+  #doubted = find("mapping-doubted", HTMLElement);
+  #force = findInput("mapping-force");
   #start = findButton("mapping-start");
   #explore = findButton("mapping-explore");
   #finish = findButton("mapping-finish");
@@ -92,6 +94,7 @@ export class MappingPanel {
     this.#discard.hidden = map === null;
     this.#save.hidden = this.#file.hidden = state !== "done";
     this.#remarks.hidden = this.#strokes.hidden = state !== "done";
+    this.#doubted.hidden = state !== "done" || !this.#drawing?.contradictory;
     setText(this.#state, this.#words(map, replay !== null));
   }
 
@@ -115,7 +118,8 @@ export class MappingPanel {
     const use = event.submitter?.id !== "mapping-keep";
     const name = hyphenated(this.#name.value);
     this.#awaited = use ? name : "";
-    if (await this.order({ type: "save_map", name, use })) this.#saved = name;
+    const force = !this.#doubted.hidden && this.#force.checked;
+    if (await this.order({ type: "save_map", name, use, force })) this.#saved = name;
   }
 
   /** The robot goes on in the map that was saved. */
@@ -139,6 +143,7 @@ export class MappingPanel {
       if (this.#loaded !== key || drawing.version === 0) return;
       this.#drawing = drawing;
       this.#joined = null;
+      this.#force.checked = false;
       this.draw(drawing);
       const lines = [
         ...drawing.remarks.map((line) => make("li", { class: "remark" }, sentence(line))),

@@ -179,8 +179,9 @@ def test_a_map_that_contradicts_itself_is_saved_only_by_force(mapped, tmp_path):
     with pytest.raises(CommandError, match=r"contradicts itself.*did not come to an end"):
         drawer.save("doubted", tmp_path)
     assert list(tmp_path.iterdir()) == []
-    (remark,) = drawing_message(drawer.drawing).remarks
-    assert doubted.remarks == (remark,)
+    shown = drawing_message(drawer.drawing)
+    assert (tuple(shown.remarks), shown.contradictory) == (doubted.remarks, True)
+    assert not drawing_message(before).contradictory
     assert "<desc data-fit=" in drawer.save("doubted", tmp_path, force=True).read_text()
     drawer._shown.now = before
 
