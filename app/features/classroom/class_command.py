@@ -25,7 +25,7 @@ from app.features.classroom.class_folder import ClassFolder
 from app.features.classroom.hub_client import OTHER_PROXY
 from app.features.classroom.links_page import link_of, write_links
 from app.features.classroom.roster import TEACHER, Student, read_roster
-from app.features.classroom.warm.ending import end_copies, end_proxy, end_services
+from app.features.classroom.warm.ending import end_copies, end_others, end_proxy, end_services
 from app.features.classroom.warm.request import WarmParentError, start_parent
 from app.files import atomic_file
 from app.page.address import own_address
@@ -270,3 +270,4 @@ def _end_servers(folder: ClassFolder) -> None:
     """End the warm parent and what it started: the hub leaves them, so that it may die alone."""
     end_proxy(folder.path, END_S)
     end_copies(folder.warm_socket, END_S)
+    end_others(folder.path, END_S)

@@ -16,6 +16,7 @@ from jupyterhub.utils import random_port
 from traitlets import Bool, Dict, Float, Int, List, Unicode
 
 from app.features.classroom.class_folder import ClassFolder
+from app.features.classroom.warm.ending import STUDENT_OF
 from app.features.classroom.warm.request import Confinement, CopyRequest, ask, start_parent
 from app.features.classroom.warm.request import WarmParentError as NotWarmError
 
@@ -55,6 +56,7 @@ class StudentSpawner(SimpleLocalProcessSpawner):
         return env | {
             "HOME": home, "USER": self.user.name, "TMPDIR": f"{home}/.tmp",
             "XDG_DATA_HOME": f"{home}/.local/share", "XDG_STATE_HOME": f"{home}/.local/state",
+            STUDENT_OF: str(self._folder.path),
         }  # fmt: skip
 
     async def start(self) -> tuple[str, int]:

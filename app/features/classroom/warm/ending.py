@@ -9,6 +9,9 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
 
+STUDENT_OF = "BRICKPOSE_STUDENT_OF"
+"""In the environment of a student's server: the class's folder."""
+
 
 def end_copies(place: Path, seconds: float) -> None:
     """End the warm parent that listens at a place, and every process that began as a copy.
@@ -34,6 +37,17 @@ def end_services(folder: Path, seconds: float) -> None:
     """
     wanted = b"BRICKPOSE_CLASS=" + os.fsencode(folder) + b"\0"
     _end(lambda process: wanted in (process / "environ").read_bytes(), seconds, (signal.SIGKILL,))
+
+
+def end_others(folder: Path, seconds: float) -> None:
+    """End students' servers that are no copies: JupyterLab's, and those that started cold.
+
+    Args:
+        folder: the class's, which their environment names.
+        seconds: they get so long before they are killed.
+    """
+    wanted = STUDENT_OF.encode() + b"=" + os.fsencode(folder) + b"\0"
+    _end(lambda process: wanted in (process / "environ").read_bytes(), seconds)
 
 
 def end_proxy(folder: Path, seconds: float) -> None:
