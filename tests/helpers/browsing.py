@@ -87,7 +87,7 @@ def opened(
 DROP = """([names, texts]) => {
   const files = new DataTransfer();
   names.forEach((name, i) => files.items.add(
-    new File([Uint8Array.from(texts[i])], name)));
+    new File([typeof texts[i] === "string" ? texts[i] : Uint8Array.from(texts[i])], name)));
   for (const type of ["dragover", "drop"])
     window.dispatchEvent(new DragEvent(type, { dataTransfer: files, cancelable: true }));
 }"""
@@ -95,7 +95,7 @@ DROP = """([names, texts]) => {
 
 def drop(page: Page, **files: str | bytes) -> None:
     """Drop files on the page, by names in which a dot is written as two underscores."""
-    contents = [list(each.encode() if isinstance(each, str) else each) for each in files.values()]
+    contents = [each if isinstance(each, str) else list(each) for each in files.values()]
     page.evaluate(DROP, [[name.replace("__", ".") for name in files], contents])
 
 
