@@ -8,6 +8,7 @@ from calibrations import SPEC, driven
 from mappings import WIDTH, eight, mapped
 
 from robot.calibration.adjustment import Weights
+from robot.calibration.sightings import Sightings
 from robot.calibration.wheel_motion import WheelMotion
 from robot.mapping import map_adjustment
 from robot.mapping.map_adjustment import DERIVATIVES, MapAdjustment
@@ -19,8 +20,9 @@ def test_the_parts_of_a_drive_add_up(monkeypatch: pytest.MonkeyPatch) -> None:
     drawn, _ = mapped("square", 60100)
     log, *_ = driven("default", 60100, 16.5, eight, "square", calibrated=True, steer=None)
     mapper = Mapper(log, SPEC, WIDTH)
-    motion = WheelMotion.of(mapper._log, SPEC)
-    seen, start = mapper._seen, drawn.solution.state.poses[0]
+    motion = WheelMotion.of(mapper._every, SPEC)
+    seen = Sightings.of_edges(mapper._every, SPEC, mapper._nothing.edges)
+    start = drawn.solution.state.poses[0]
     adjustment = MapAdjustment(seen, motion, drawn.measured, start, np.diag(LOOSE_SD**2))
     state = replace(drawn.solution.state, map=drawn.measured.offsets)
     count = len(state.poses)
