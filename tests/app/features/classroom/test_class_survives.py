@@ -160,6 +160,7 @@ def test_a_students_code_takes_its_own_share_alone(attack, served, students):
     assert not (ada / "told").exists()
 
 
+@pytest.mark.real_time
 @pytest.mark.parametrize("victim", ["proxy", "hub", "student"])
 def test_who_is_killed_is_back_with_all_that_was_saved(victim, served, students):
     ada = served.folder / "students" / "ada"
@@ -180,6 +181,7 @@ def test_who_is_killed_is_back_with_all_that_was_saved(victim, served, students)
     assert (ada / "kept.txt").read_text() == "saved"
 
 
+@pytest.mark.real_time
 def test_a_hub_that_was_killed_goes_on_with_the_proxy_of_before(served, students):
     before = _proxy(served)
     os.kill(_hub(served), signal.SIGKILL)
