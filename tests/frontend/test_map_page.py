@@ -41,7 +41,10 @@ def page(browser, server):
 RECORDS_WHAT_IS_SENT = """() => {
   window.sent = [];
   const send = WebSocket.prototype.send;
-  WebSocket.prototype.send = function (text) { window.sent.push(String(text)); send.call(this, text); };
+  WebSocket.prototype.send = function (text) {
+    window.sent.push(String(text));
+    send.call(this, text);
+  };
 }"""
 
 
