@@ -35,7 +35,8 @@ if __name__ == "__main__":
     for worker in workers[:2]:
         worker.end()
     print("ready", flush=True)
-    time.sleep(60)
+    while True:  # a signal that comes just before one long sleep would not be seen until its end
+        time.sleep(0.02)
 """
 
 
