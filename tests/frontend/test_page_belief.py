@@ -1,11 +1,10 @@
 """What the page says of the filter's belief and of models in files of the user's own."""
 
-import json
 import re
 
 import httpx
 import pytest
-from browsing import opened
+from browsing import change_telemetry, opened
 from playwright.sync_api import expect
 from serving import ask, serving, until
 
@@ -119,16 +118,7 @@ ASKEW, LATE, SLIP = "is the camera askew?", "pictures seem 30 ms late", "wheels 
 
 def telling(socket, claim):
     """Between page and program: telemetry says what ``claim`` holds of integrity."""
-    program = socket.connect_to_server()
-    socket.on_message(program.send)
-
-    def pass_on(text):
-        message = json.loads(text)
-        if message["type"] == "telemetry":
-            message["integrity"] |= claim
-        socket.send(json.dumps(message))
-
-    program.on_message(pass_on)
+    change_telemetry(socket, lambda message: message["integrity"].update(claim))
 
 
 @pytest.mark.parametrize(("width", "height"), [(1440, 900), (1280, 720), (390, 844)])

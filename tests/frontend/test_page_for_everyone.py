@@ -1,10 +1,9 @@
 """The page for who sees little, has large thumbs, or works by keys and numbers."""
 
-import json
 import re
 
 import pytest
-from browsing import opened, show_all, visit
+from browsing import change_telemetry, opened, show_all, visit
 from playwright.sync_api import expect
 from serving import serving, until
 
@@ -88,17 +87,7 @@ def test_on_a_phone_the_field_keeps_its_room_below_what_is_told(
 
 
 def _told(socket, problems):
-    """Between page and program: telemetry has these ``problems``."""
-    program = socket.connect_to_server()
-    socket.on_message(program.send)
-
-    def pass_on(text):
-        message = json.loads(text)
-        if message["type"] == "telemetry":
-            message["problems"] = problems
-        socket.send(json.dumps(message))
-
-    program.on_message(pass_on)
+    change_telemetry(socket, lambda message: message.update(problems=problems))
 
 
 def test_a_skip_link_leads_to_the_map(page):

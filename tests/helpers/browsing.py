@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import json
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
-from playwright.sync_api import Browser, BrowserContext, Page, expect
+from playwright.sync_api import Browser, BrowserContext, Page, WebSocketRoute, expect
 from serving import ServedProgram, ask, until
 
 LOOKS = {
@@ -109,3 +111,17 @@ def drop_as_a_hand_does(page: Page, *paths: Path, over: str = "body") -> None:
     for kind in ("dragEnter", "dragOver", "drop"):
         session.send("Input.dispatchDragEvent", {"type": kind, **at, "data": data})
     session.detach()
+
+
+def change_telemetry(socket: WebSocketRoute, change: Callable[[dict[str, Any]], object]) -> None:
+    """Be between page and program, and change each message of telemetry on its way."""
+    program = socket.connect_to_server()
+    socket.on_message(program.send)
+
+    def pass_on(text: str | bytes) -> None:
+        message = json.loads(text)
+        if message["type"] == "telemetry":
+            change(message)
+        socket.send(json.dumps(message))
+
+    program.on_message(pass_on)

@@ -20,8 +20,7 @@ SAID = phrase(
     "It is not taken for tape; but it hides what is behind it."
 )
 EDGE = 0.01
-"""So far before its return a thing may begin to hide the floor [m]; half and twice: no scan of the
-tests' drives changes."""
+"""So far before its return a thing may begin to hide the floor [m]."""
 SHOWN = 3.0
 """It is said for so long after it was last seen [s]."""
 
@@ -57,5 +56,5 @@ class ClearedScans(AddedModels):
 
 
 def cleared_scans(config: Config, field: Field) -> list[ClearedScans]:
-    """Return what clears an engine's scans; a laser sees far more than its robot's cable."""
+    """Return what clears an engine's scans."""
     return [ClearedScans()]
