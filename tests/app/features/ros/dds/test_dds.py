@@ -1,6 +1,7 @@
 """The topics over DDS, told to and by a participant of another vendor's."""
 
 import math
+from itertools import count
 
 import cv2
 import numpy as np
@@ -24,6 +25,7 @@ from app.page.log_limit import MOST_LINES, limit_logs
 from benchmarks.topics.fastdds import Peer, missing
 from robot.geometry import Pose2
 from robot.scan import evenly
+from sim.simulated import PERIOD
 
 pytestmark = pytest.mark.skipif(missing() is not None, reason=str(missing()))
 
@@ -317,6 +319,31 @@ def test_a_problem_with_a_message_ends_when_it_is_over(rig, peer, monkeypatch):
     rig.until(lambda now: rig.route.failure is None)
 
 
+def taken(rig, kind, send):
+    """The command of a message that is sent anew each second until the robot takes it.
+
+    A program that has found the robot may be found by it a second later, and no word before that
+    arrives.
+    """
+    ticks, found = count(), []
+
+    def has_it(now):
+        found.extend(one for one in now.commands if isinstance(one, kind))
+        return found
+
+    rig.until(has_it, lambda: next(ticks) % round(1 / PERIOD) or send())
+    return found[0]
+
+
+def send_goal(rig, peer, place):
+    """The command of a goal that a foreign program sends."""
+    message = new(
+        "geometry_msgs/msg/PoseStamped", header=header(rig.source, 0.0, "map"), pose=pose(place)
+    )
+    data = to_cdr(message, "geometry_msgs/msg/PoseStamped")
+    return taken(rig, NavigateCommand, lambda: peer.send("rt/goal_pose", data))
+
+
 def test_a_told_pose_is_where_the_filter_then_looks(rig, peer):
     wanted = Pose2(0.3, 0.2, 0.5)
     message = new(
@@ -324,36 +351,17 @@ def test_a_told_pose_is_where_the_filter_then_looks(rig, peer):
         header=header(rig.source, 0.0, "map"),
         pose=pose_with_covariance(wanted, np.diag([1e-4, 1e-4, 1e-4])),
     )
-    peer.send("rt/initialpose", to_cdr(message, "geometry_msgs/msg/PoseWithCovarianceStamped"))
-    taken = rig.until(lambda now: any(isinstance(one, SetPoseCommand) for one in now.commands))
-    (command,) = (one for one in taken.commands if isinstance(one, SetPoseCommand))
+    data = to_cdr(message, "geometry_msgs/msg/PoseWithCovarianceStamped")
+    command = taken(rig, SetPoseCommand, lambda: peer.send("rt/initialpose", data))
     assert (command.x, command.y, command.theta) == pytest.approx((0.3, 0.2, 0.5))
 
 
 def test_a_goal_of_a_foreign_program_sends_the_robot_there(rig, peer):
-    message = new(
-        "geometry_msgs/msg/PoseStamped",
-        header=header(rig.source, 0.0, "map"),
-        pose=pose(Pose2(0.1, 0.05, 0.5)),
-    )
-    peer.send("rt/goal_pose", to_cdr(message, "geometry_msgs/msg/PoseStamped"))
-    taken = rig.until(lambda now: any(isinstance(one, NavigateCommand) for one in now.commands))
-    (command,) = (one for one in taken.commands if isinstance(one, NavigateCommand))
-    (goal,) = command.poses
+    (goal,) = send_goal(rig, peer, Pose2(0.1, 0.05, 0.5)).poses
     assert (goal.x, goal.y, goal.theta) == pytest.approx((0.1, 0.05, 0.5))
     rig.until(lambda now: now.added["navigation"].path is not None)
     last = arrived(peer, "plan").poses[-1].pose.position
     assert (last.x, last.y) == pytest.approx((0.1, 0.05), abs=0.002)
-
-
-def send_goal(rig, peer, place):
-    """Send a goal; returns how many events there were before."""
-    message = new(
-        "geometry_msgs/msg/PoseStamped", header=header(rig.source, 0.0, "map"), pose=pose(place)
-    )
-    before = len(peer.events)
-    peer.send("rt/goal_pose", to_cdr(message, "geometry_msgs/msg/PoseStamped"))
-    return before
 
 
 def number_of_goal(peer, code, after=0):
@@ -398,7 +406,8 @@ def test_a_foreign_program_hears_how_far_its_goal_is_and_that_it_was_reached():
 
 
 def test_a_foreign_program_ends_its_goal_by_a_drive_and_hears_that_it_was_canceled(rig, peer):
-    before = send_goal(rig, peer, Pose2(0.1, 0.05, 0.5))
+    before = len(peer.events)
+    send_goal(rig, peer, Pose2(0.1, 0.05, 0.5))
     number = number_of_goal(peer, EXECUTING, before)
     peer.send("rt/cmd_vel", stamped(rig.source, 0.0))
     assert number_of_goal(peer, CANCELED, before) == number
