@@ -29,7 +29,7 @@ do: the steep edge of a tape counts no more than this allows."""
 MARGIN = 8
 """So many pixels at a patch's border are not used: large areas are not known there [px]."""
 
-AB, AA, BB, WEIGHT, RESIDUAL, COUNT = range(6)
+AB, AA, BB, WEIGHT, RESIDUAL, COUNT, SQUARES = range(7)
 """Places in ``totals``."""
 
 
@@ -168,7 +168,8 @@ def accumulate(
         squared: gets the information by mean gradients (4, 4).
         crossed: gets the information by the product of both gradients (4, 4).
         spread: gets the covariance of the right side, if pixels were independent (4, 4).
-        totals: gets sums (6,) for the correlation, weights, squared residuals and pixels.
+        totals: gets sums (7,) for the correlation, weights, squared residuals, pixels, and of the
+            squares of what each pixel tells of a shift.
     """
     height, width, _ = before.shape
     c, s = math.cos(motion[2]), math.sin(motion[2])
@@ -213,6 +214,8 @@ def accumulate(
             totals[3] += weight
             totals[4] += weighed * residual
             totals[5] += 1
+            tells = weight * (jm[0] * jm[0] + jm[1] * jm[1])
+            totals[6] += tells * tells
     for k in range(4):
         for m in range(k):
             squared[m, k] = squared[k, m]

@@ -106,6 +106,20 @@ def test_along_an_edge_only_what_is_across_is_seen():
     assert np.isclose(found.motion.y, wheels.y, atol=0.0005)
 
 
+def test_where_only_edges_of_tape_are_seen_a_motion_is_no_more_exact_than_it_says():
+    rng = np.random.default_rng(12)
+    nees = []
+    while len(nees) < 40:
+        twist = Twist2(rng.uniform(0, 0.2), rng.uniform(-0.8, 0.8))
+        true = twist.integrate(PERIOD)
+        wheels = true @ Pose2(*rng.normal(0, (1e-4, 1e-5, 2e-3)).tolist())
+        start = Pose2(*rng.uniform(-0.04, 0.04, 2).tolist(), rng.uniform(-0.5, 0.5))
+        found, apart = moved(twist, wheels, "none", tape=True, start=start)
+        if found.seen >= 2:
+            nees.append(apart @ np.linalg.solve(found.covariance, apart))
+    assert np.quantile(nees, 0.9) < 7.8  # the 95 % quantile of an honest covariance
+
+
 def test_the_first_picture_tells_nothing():
     odometer = PictureOdometer(VIEW, SETTINGS)
     assert odometer.measure(Frame(0.0, camera("lino").picture(Pose2(), Twist2())), Pose2()) is None

@@ -29,12 +29,13 @@ from robot.fields.field_loading import load_field
 from robot.geometry import Pose2, Twist2, interpolate
 from robot.interface import Frame, Reading, RepositionableRobot, Robot
 from robot.localization.models.entry_field import EntryField
+from robot.picture_odometry.aided_odometry import PictureAidedOdometry
 from robot.scan import Scan
 from robot.scanning.line_scanner import LineScan, LineScanner, LineScannerSettings
 from sim.simulated import no_wait
 
 NO_PICTURE = np.zeros((1, 1), np.uint8)
-"""Replaces a picture that was already searched for tape."""
+"""Replaces a picture that was already searched for tape, and that nothing else looks at."""
 
 
 class EvaluationError(BrickPoseError, ValueError):
@@ -43,7 +44,10 @@ class EvaluationError(BrickPoseError, ValueError):
 
 @dataclass(frozen=True, slots=True)
 class Tick:
-    """One reading of the robot, and what was seen in its picture, but not the picture itself."""
+    """One reading of the robot, and what was seen in its picture.
+
+    The picture itself is only kept for an odometry that looks at it.
+    """
 
     reading: Reading
     odometry: Pose2
@@ -164,7 +168,7 @@ def record(
                 engine.commands.put(FigureEightCommand(type="figure_eight"))
             else:
                 engine.commands.put(command(max(before, 0.0)))
-            ticks.append(_tick(engine.step()))
+            ticks.append(_tick(engine.step(), looks=_looks_at_pictures(engine)))
             if kidnap is not None and before < kidnap.stamp <= ticks[-1].stamp:
                 assert isinstance(robot, RepositionableRobot)
                 robot.place(kidnap.place(ticks[-1].truth))
@@ -201,12 +205,17 @@ def silent(engine: Engine) -> Engine:
     return engine
 
 
-def _tick(snapshot: Snapshot) -> Tick:
+def _looks_at_pictures(engine: Engine) -> bool:
+    return isinstance(engine.controls.odometry, PictureAidedOdometry)
+
+
+def _tick(snapshot: Snapshot, *, looks: bool) -> Tick:
     reading, odometry = snapshot.reading, snapshot.odom_from_robot
     if reading.frame is None:
         return Tick(reading, odometry)
-    stripped = replace(reading, frame=Frame(reading.frame.stamp, NO_PICTURE))
-    return Tick(stripped, odometry, snapshot.filter.line_scan, snapshot.odom_from_scan)
+    if not looks:
+        reading = replace(reading, frame=Frame(reading.frame.stamp, NO_PICTURE))
+    return Tick(reading, odometry, snapshot.filter.line_scan, snapshot.odom_from_scan)
 
 
 class RecordedScanner(LineScanner):

@@ -10,7 +10,7 @@ from in_process import Here
 
 from app.engine.build import build_program
 from app.features.lab.evaluation.command import evaluate
-from app.features.lab.evaluation.drives import EvaluationError, record
+from app.features.lab.evaluation.drives import EvaluationError, follow_drive, record
 from app.features.lab.evaluation.experiment import Experiment, in_world
 from app.features.lab.evaluation.results import METHODS, condition_table, spread
 from app.features.lab.evaluation.runs import Run, follow, settled, time_to_converge
@@ -37,6 +37,17 @@ def done(tmp_path_factory):
     """A folder of results and what was returned."""
     folder = tmp_path_factory.mktemp("evaluation")
     return folder, evaluate(SMALL, Here(), folder)
+
+
+def test_odometry_that_looks_at_pictures_is_the_same_when_a_drive_is_followed():
+    config = replace(QUICK, robot="kinematic", added={"picture_odometry": {"fuse": True}})
+    drive = record(config, 2.0)
+    following = list(follow_drive(drive, config, lambda localization: None))
+    seen = [tick for tick in drive.ticks if tick.scan is not None]
+    assert len(following) == len(seen) > 10
+    for (tick, odometry, _), recorded in zip(following, seen, strict=True):
+        assert odometry == recorded.odometry_at_scan
+        assert tick is recorded
 
 
 @pytest.mark.parametrize("filter_name", ["hypotheses", "particles"])
