@@ -366,7 +366,7 @@ def _step(information: Array, right: Array, *, held: bool) -> Array:
     known: Array = information + _LITTLE
     free: Array = np.eye(3)
     if held:
-        across = np.linalg.eigh(known[:2, :2])[1][:, 1]
-        free = np.array([[across[0], 0.0], [across[1], 0.0], [0.0, 1.0]])
-    step: Array = np.linalg.solve(free.T @ known @ free, free.T @ right)
-    return free @ step
+        free = np.zeros((3, 2))
+        free[:2, 0], free[2, 1] = np.linalg.eigh(known[:2, :2])[1][:, 1], 1.0
+    step = np.linalg.solve(free.T @ known @ free, free.T @ right)
+    return free @ np.asarray(step, dtype=np.float64)

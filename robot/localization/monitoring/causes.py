@@ -36,6 +36,9 @@ in 61.5 and 61.0 %."""
 RADII, RADII_TURN = 0.025, 0.38
 """Wheels are of another size if they err by more: a share of a distance, or a turn by distance
 [rad/m]. Half and twice: no alarm changes."""
+STUCK = 4.0
+"""So long after a robot was stuck its steps seem to fit no map [s]. Half and twice: as many robots
+hear that they were stuck (``odometry_check.py``)."""
 SURE = 3.0
 """Standard deviations above which a wheel's error is significant. Half: false in 2.5 %; twice: no
 alarm changes."""
@@ -64,6 +67,8 @@ class Findings:
     """Share of the cloud that is effective."""
     width: float
     """Width of the hypothesis [m]."""
+    stuck_for: float
+    """How long ago the robot was last stuck while its wheels turned [s]; inf if never."""
     fit_change: float
     """Change of a ray's log-likelihood by scans that moved the pose to a worse fit; at most 0."""
 
@@ -120,6 +125,8 @@ def _camera(f: Findings) -> str:
 
 
 def _slip(f: Findings) -> str:
+    if f.stuck_for < STUCK:
+        return "the wheels turned, and the robot stood: was it stuck, or the picture frozen?"
     if f.odometry.rest[2] > WHEELS_SLIP:
         return "the robot turns otherwise than its wheels: do they slip?"
     return ""

@@ -220,6 +220,7 @@ class Monitor:
             returned,
             spread,
             math.sqrt(hypothesis.covariance[0, 0] + hypothesis.covariance[1, 1]),
+            scan.stamp - self._odometry.stuck_at,
             self._fit.change,
         )
         self._causes.judge(findings)
@@ -285,6 +286,8 @@ class Monitor:
         return math.hypot(offset.x, offset.y) > JOLT + way or abs(offset.theta) > jolt + turn
 
     def _looseness(self, findings: Findings) -> float:
+        if self._odometry.standing > 0:
+            return LOOSEST
         rest = findings.odometry.rest
         least = BLIND if findings.stamp - self._seen > BLIND_AFTER else 1.0
         return min(max(float(max(rest[0], rest[2])) / USUAL, least), LOOSEST)

@@ -18,7 +18,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from robot.covariance import inverse
+from robot.covariance import inverse, widest
 from robot.geometry import Array, Pose2, Twist2, turned_covariance
 from robot.localization.monitoring.slip_check import LEAST, LEVER
 from robot.localization.monitoring.steady_errors import SteadyErrors
@@ -51,6 +51,10 @@ changes."""
 AGREEING = 1.5
 """Wheels that slip by more spreads explain what lateness would. Half, on the same drives: 0.03 % of
 the late ones mislead; twice: nothing changes."""
+STANDS, STANDS_WAY, STANDS_S = 0.3, 0.012, 0.3
+"""A robot is stuck if it moves by less than this share of its wheels' way, which is longer than this
+[m], for longer than this [s]. Of six that are stuck (*square*, *town*, *stub*, seeds 15200, 15201),
+5 hear so. Half of each, and twice of the way: as many; twice of the others: 3."""
 SETTLING = 1.5
 """Until the robot has driven for this long after a place was given or found, steps ahead and aside
 do not contradict odometry [s]. Time at rest does not count, as the filter then takes no scans.
@@ -127,6 +131,10 @@ class OdometryCheck:
         """Stamp and odometry of the last pose; where odometry is, no jump of the pose changes."""
         self._followed = 0.0
         """How long the place has been followed while the robot drove [s]."""
+        self.standing = 0.0
+        """How long the robot has been standing while its wheels turn [s]."""
+        self.stuck_at = -math.inf
+        """Stamp at which the robot was last stuck while its wheels turned [s]."""
         self.errors = self._estimated(estimate_errors(self._sums))
         """The likeliest steady errors."""
         self.twist = Twist2(0.0, 0.0)
@@ -168,7 +176,10 @@ class OdometryCheck:
         current = _Step(stamp, pose, odometry, local, self.twist)
         before = self._before(stamp)
         if before is not None:
-            self._compare(before, current, elapsed)
+            self.standing = self.standing + elapsed if _stands(before, current) else 0.0
+            self.stuck_at = stamp if self.standing > STANDS_S else self.stuck_at
+            if self.standing == 0:  # other steps tell nothing of the robot's errors
+                self._compare(before, current, elapsed)
         known = self._known
         if known is not None and self._may_be_late(known, current):
             self.doubt_lateness()
@@ -224,3 +235,10 @@ class OdometryCheck:
     def _estimated(self, result: tuple[Array, Array, Array]) -> OdometryErrors:
         values, covariance, rest = result
         return OdometryErrors(values, covariance, rest, float(self._sums.counts[0]))
+
+
+def _stands(before: _Step, after: _Step) -> bool:
+    """Whether scans prove that the robot stands while its wheels turn."""
+    by_wheels = before.odometry.distance_to(after.odometry)
+    farthest = before.pose.distance_to(after.pose) + widest(before.covariance + after.covariance)
+    return by_wheels > STANDS_WAY and farthest < STANDS * by_wheels

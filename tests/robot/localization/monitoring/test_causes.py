@@ -30,6 +30,7 @@ def findings(stamp: float, **found: Any) -> Findings:
         found.get("returned", 60),
         found.get("spread", 0.5),
         found.get("width", 0.002),
+        found.get("stuck_for", math.inf),
         found.get("fit_change", 0.0),
     )
 
@@ -44,6 +45,7 @@ CASES: list[tuple[Cause, str, dict[str, Any]]] = [
     (Cause.CAMERA_ASKEW, "0.5°", {"pitch": 0.5, "tilt_explains": 0.8}),
     (Cause.PICTURES_LATE, "30 ms", {"late": 0.03}),
     (Cause.WHEEL_SLIP, "slip", {"rest": (1.0, 1.0, 4.0)}),
+    (Cause.WHEEL_SLIP, "stuck", {"rest": (3.0, 1.0, 1.0), "stuck_for": 1.0}),
     (Cause.MAP, "map", {"rest": (3.0, 1.0, 1.0)}),
     (Cause.WHEEL_SIZE, "+5 %", {"forward": 0.05}),
     (Cause.WHEEL_SIZE, "-29° a metre", {"turn_by_way": -0.5}),

@@ -263,3 +263,41 @@ def test_columns_are_the_changes_of_a_step_by_each_error() -> None:
         offset = Pose2.from_array(h * np.eye(3)[axis])
         beside = offset.inverse() @ moved @ offset
         np.testing.assert_allclose(columns[:, 4 + axis], change(beside), atol=1e-3)
+
+
+def stuck(check: OdometryCheck, covariance: Array, begin: float = 4.0, end: float = 6.0) -> float:
+    """Drive straight on, stuck for a while; returns how long it is told that the robot stands."""
+    rng = np.random.default_rng(3)
+    true, odometry, told = Pose2(), Pose2(), 0.0
+    for tick in range(round(10.0 / PERIOD)):
+        stamp = PERIOD * tick
+        step = Twist2(0.12, 0.0).integrate(PERIOD)
+        odometry = odometry @ step
+        true = true if begin <= stamp < end else true @ step
+        noise = Pose2.from_array(POSE_SD * rng.standard_normal(3))
+        check.observe(stamp, true @ noise, odometry, covariance)
+        told += PERIOD * (check.standing > 0)
+    return told
+
+
+def test_a_robot_that_is_stuck_is_seen_to_stand_and_teaches_nothing_of_its_wheels() -> None:
+    check = OdometryCheck()
+    assert stuck(check, COVARIANCE) == pytest.approx(1.75, abs=0.15)
+    assert 5.9 < check.stuck_at < 6.1  # a third of a step may still be of before
+    assert check.standing == 0
+    assert abs(check.errors.value("forward")) < 0.05
+    assert check.errors.rest[1:].max() < 1.5
+
+
+def test_a_robot_whose_place_along_its_way_is_not_seen_is_not_told_to_stand() -> None:
+    check = OdometryCheck()
+    assert stuck(check, np.diag([0.02**2, 0.001**2, 0.002**2])) == 0.0
+    assert check.stuck_at == -math.inf
+
+
+def test_a_robot_that_rolls_is_never_told_to_stand() -> None:
+    for planted in (Planted(), Planted(late=0.06), Planted(forward=-0.1)):
+        check = OdometryCheck()
+        for stamp, pose, odometry in path(planted, 20.0, 1):
+            check.observe(stamp, pose, odometry, COVARIANCE)
+            assert check.standing == 0
