@@ -52,9 +52,9 @@ AGREEING = 1.5
 """Wheels that slip by more spreads explain what lateness would. Half, on the same drives: 0.03 % of
 the late ones mislead; twice: nothing changes."""
 STANDS, STANDS_WAY, STANDS_S = 0.3, 0.012, 0.3
-"""A robot is stuck if it moves by less than this share of its wheels' way, which is longer than this
-[m], for longer than this [s]. Of six that are stuck (*square*, *town*, *stub*, seeds 15200, 15201),
-5 hear so. Half of each, and twice of the way: as many; twice of the others: 3."""
+"""A robot is stuck if it moves by less than this share of its wheels' way, if that is longer than
+this [m], for longer than this [s]. Of 6 that are stuck (*square*, *town*, *stub*, seeds 15200 and
+15201) 5 hear so. Half of each, and twice of the way: as many; twice of the others: 3."""
 SETTLING = 1.5
 """Until the robot has driven for this long after a place was given or found, steps ahead and aside
 do not contradict odometry [s]. Time at rest does not count, as the filter then takes no scans.
