@@ -51,6 +51,8 @@ FUNCTIONS: dict[str, tuple[str, ...]] = {
 """What is taken for what, by the last part of the function's name."""
 NUMBERS = (0, 1, 2, 3, 0.5, 0.95, 0.05, 0.1, 0.001, 0.01, math.pi, math.tau)
 """Numbers that lessons name, besides those of the code itself."""
+SAME_ANGLES = ({180, math.pi}, {360, math.tau})
+"""The same angle in degrees and in radians."""
 CALLED_OFF = frozenset(
     (
         "abs", "fabs", "sqrt", "log", "exp", "square", "radians", "degrees", "deg2rad", "rad2deg",
@@ -207,12 +209,8 @@ def _nested(chosen: tuple[Edit, ...]) -> bool:
 
 
 def _reached(tree: ast.Module, functions: Iterable[str]) -> list[int]:
-    """Return where the functions are, and those that they call."""
-    where = {
-        item.name: place
-        for place, item in enumerate(tree.body)
-        if isinstance(item, ast.FunctionDef)
-    }
+    """Return where the functions are, and what of the file they use: functions, classes, values."""
+    where = {name: place for place, item in enumerate(tree.body) for name in _defined(item)}
     waiting, reached = [name for name in functions if name in where], list[int]()
     while waiting:
         place = where[waiting.pop(0)]
@@ -222,6 +220,16 @@ def _reached(tree: ast.Module, functions: Iterable[str]) -> list[int]:
         names = (item.id for item in ast.walk(tree.body[place]) if isinstance(item, ast.Name))
         waiting += [name for name in names if name in where]
     return reached
+
+
+def _defined(item: ast.stmt) -> list[str]:
+    """Return what a statement of the file defines: a function, a class, or values."""
+    if isinstance(item, ast.FunctionDef | ast.ClassDef):
+        return [item.name]
+    targets = item.targets if isinstance(item, ast.Assign) else []
+    return [
+        inner.id for target in targets for inner in ast.walk(target) if isinstance(inner, ast.Name)
+    ]
 
 
 def _edits(function: ast.stmt) -> Iterator[Edit]:
@@ -338,7 +346,7 @@ def _lines(parent: ast.AST) -> Iterator[Edit]:
     """Exchange two lines, leave one out, or move one out of a loop or before it."""
     for part in ("body", "orelse"):
         lines = getattr(parent, part, None)
-        if not isinstance(lines, list):
+        if not isinstance(lines, list) or isinstance(parent, ast.ClassDef):
             continue
         for index in range(len(lines) - 1):
             if isinstance(lines[index + 1], ast.Return) or isinstance(lines[index], ast.Return):
@@ -451,7 +459,8 @@ def _constants(
     for value in numbers:
         if value != old:
             kind = ("number", *sorted((old, value)))
-            yield place.edit("slip-number", phrase("another number"), kind, ast.Constant(value))
+            cause = "S4" if {old, value} in SAME_ANGLES else "slip-number"
+            yield place.edit(cause, phrase("another number"), kind, ast.Constant(value))
     if isinstance(place.parent, ast.Assign) and old == 0:
         for name in names:
             first = ast.Subscript(ast.Name(name, ast.Load()), ast.Constant(0), ast.Load())

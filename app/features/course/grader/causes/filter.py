@@ -65,6 +65,11 @@ FILTER = {
         "The numbers do not lie on the line where the weights lie end to end.",
         "Print where each weight ends on the line, and the numbers: both go from 0 to 1, and grow.",
     ),
+    "steps": Cause(
+        "Those at the end of the list get too many copies, or too few.",
+        "The steps along the line are not 1/n.",
+        "n numbers, each 1/n farther than the one before: all of them lie below 1.",
+    ),
     "weights-ignored": Cause(
         "Bad particles count as much as good ones.",
         "The weights make no difference.",
@@ -354,6 +359,11 @@ FILTER = {
         "The belief becomes too sure while driving.",
         "The step adds no variance.",
         "Each step is a little wrong: its variance is added.",
+    ),
+    "step-late": Cause(
+        "The belief after a step and a look is not the one that is due.",
+        "The gain, or what is left of the variance, is made of the variance before the step.",
+        "First the step: a new mean and a new variance. All that follows is made of these.",
     ),
     "look-first": Cause(
         "The look is compared with where the robot was before.",

@@ -55,6 +55,16 @@ STEERING = {
         "It aims a fixed number of points ahead.",
         "Take the first point, from the nearest on, that is farther than `ahead` from the robot.",
     ),
+    "ahead-along": Cause(
+        "Beside its way, the robot looks farther ahead than it should.",
+        "The look-ahead distance is measured from the way's nearest point, not from the robot.",
+        "The point is farther than `ahead` from the robot's own place.",
+    ),
+    "end-lost": Cause(
+        "Close to its goal the robot turns round, or does not get there.",
+        "Where no point of the way is far enough, it aims at another one than the last.",
+        "Which point does your search give if it finds none? It has to be path[-1].",
+    ),
     "drives-away": Cause(
         "With the point behind it, the robot drives away from it.",
         "The size of the cosine is taken, and not its sign.",

@@ -34,9 +34,11 @@ GAINS: dict[str, Rule] = {
 FURTHER = (2, 3, 4, 5, 6, 8, 10, 15, 20)
 """Points beyond the nearest one at which one aims who counts points, not their distance."""
 TARGETS = (
-    *("from-start", "nearest", "last", "before", "next", "from-far"),
+    *("from-start", "from-nearest", "nearest", "last", "before", "next", "from-far"),
     *(f"further-{points}" for points in FURTHER),
 )
+ENDS: dict[str, int | None] = {"end-nearest": None, "end-first": 0, "end-before": -2}
+"""Where on the way one aims where no point is far enough; None is the nearest."""
 ERRORS = ("own-heading", "heading-added", "axes", "from-target")
 
 
@@ -134,13 +136,18 @@ def _speed(case: Case, error: float, arrived: bool, mistakes: frozenset[str]) ->
     return speed * (ahead if "backwards" in mistakes else max(0.0, ahead))
 
 
-def _bearing(case: Case, mistakes: frozenset[str]) -> float:
+def _target(case: Case, mistakes: frozenset[str]) -> int:
+    """Return which point of the way is aimed at."""
     pose, path, _, _, ahead, _ = case.arguments
     away = np.hypot(*(path - pose[:2]).T)
     nearest = int(away.argmin())
     ahead = math.sqrt(ahead) if "ahead-rooted" in mistakes else ahead
     far = nearest + np.flatnonzero(away[nearest:] > ahead)
-    target = int(far[0]) if len(far) else len(path) - 1
+    if "from-nearest" in mistakes:
+        along = np.hypot(*(path[nearest:] - path[nearest]).T)
+        far = nearest + np.flatnonzero(along > ahead)
+    end = next((place for name, place in ENDS.items() if name in mistakes), -1)
+    target = int(far[0]) if len(far) else (nearest if end is None else end)
     if "from-start" in mistakes:
         target = int(np.append(np.flatnonzero(away > ahead), len(path) - 1)[0])
     if "nearest" in mistakes:
@@ -158,7 +165,12 @@ def _bearing(case: Case, mistakes: frozenset[str]) -> float:
     if "from-far" in mistakes:
         within = np.flatnonzero(away <= ahead)
         target = int(within[-1]) if len(within) else nearest
-    dx, dy = (path[target] - pose[:2]).tolist()
+    return target
+
+
+def _bearing(case: Case, mistakes: frozenset[str]) -> float:
+    pose, path = case.arguments[:2]
+    dx, dy = (path[_target(case, mistakes)] - pose[:2]).tolist()
     if "from-target" in mistakes:
         dx, dy = -dx, -dy
     bearing = math.atan2(dx, dy) if "axes" in mistakes else math.atan2(dy, dx)
@@ -229,6 +241,8 @@ CHECKS = Checks(
         Hypothesis("heading-added", "own-heading", frozenset(ERRORS)),
         Hypothesis("axes", "bearing-axes", frozenset(ERRORS)),
         Hypothesis("from-target", "bearing-back", frozenset(ERRORS)),
+        Hypothesis("from-nearest", "ahead-along", frozenset(TARGETS)),
+        *(Hypothesis(name, "end-lost", frozenset([*TARGETS, *ENDS])) for name in ENDS),
         Hypothesis("full-speed", "full-speed"),
         Hypothesis("backwards", "backwards"),
         Hypothesis("cosine-size", "drives-away"),

@@ -103,6 +103,14 @@ def _shifted(weights: Array, shift: int) -> Array:
     return moved
 
 
+def _stepped(weights: Array, parts: int) -> Array:
+    """Return the copies' shares where each step is one of as many parts of the line."""
+    count = len(weights)
+    points = STARTS[:, None] / count + np.arange(count) / parts
+    drawn = np.searchsorted(np.cumsum(weights), points).clip(0, count - 1)
+    return np.bincount(drawn.ravel(), minlength=count) / points.size
+
+
 RULES: dict[str, Callable[[Array], Array]] = {
     "next-one": lambda weights: _shifted(weights, 1),
     "one-before": lambda weights: _shifted(weights, -1),
@@ -112,7 +120,11 @@ RULES: dict[str, Callable[[Array], Array]] = {
     "best": lambda weights: np.eye(len(weights))[int(weights.argmax())],
     "squares": lambda weights: weights**2 / (weights**2).sum(),
     "roots": lambda weights: np.sqrt(weights) / np.sqrt(weights).sum(),
+    "longer-steps": lambda weights: _stepped(weights, len(weights) - 1),
+    "shorter-steps": lambda weights: _stepped(weights, len(weights) + 1),
 }
+STARTS = (np.arange(500) + 0.5) / 500
+"""First numbers over which copies are averaged, as shares of 1/n."""
 
 
 def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
@@ -150,7 +162,7 @@ def _survivors(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
         if (drawn == UNLIKE).any():
             yield Sign("invented", outcome)
         elif weightless and not outcome.answers[0].shared:
-            wrong.append((outcome, weightless <= len(outcome.answers) or _beside(outcome, drawn)))
+            wrong.append((outcome, _beside(outcome, drawn)))
     unlike = [item for item in many if not _as_weighed(item)]
     fixed = [item for item in unlike if _is_fixed(item)]
     if fixed and len(fixed) == len(unlike) and not wrong:
@@ -177,12 +189,13 @@ def _as_weighed(outcome: Outcome) -> bool:
 
 
 def _beside(outcome: Outcome, drawn: Indices) -> bool:
-    """Return whether all survivors are the one that has all the weight, or sit beside it."""
+    """Return whether most survivors sit beside the one that has all the weight, and the others are
+    that one: an index that is off by one is so for all but those at an end of the list."""
     if outcome.case.kind != "sole":
         return True  # what is beside what cannot be told
     count = len(outcome.case.arguments[1])
     apart = (drawn - int(outcome.case.arguments[1].argmax())) % count
-    return bool(np.isin(apart, (0, 1, count - 1)).all())
+    return bool(np.isin(apart, (0, 1, count - 1)).all() and (apart != 0).mean() > 0.5)
 
 
 def _weights(outcome: Outcome) -> Iterator[Sign]:
@@ -229,6 +242,8 @@ CHECKS = Checks(
         Hypothesis("best", "best-only", ALL),
         Hypothesis("squares", "weights-changed", ALL),
         Hypothesis("roots", "weights-changed", ALL),
+        Hypothesis("longer-steps", "steps", ALL),
+        Hypothesis("shorter-steps", "steps", ALL),
     ),
     signs=signs,
     show=show,
