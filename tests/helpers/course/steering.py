@@ -120,6 +120,12 @@ def source_of(writing: Writing) -> str:
 
 MISTAKES = [
     *_three(
+        "goal-place",
+        [("np.linalg.norm(goal[:2] - pose[:2]) < 0.01", "abs(goal[0] - pose[0]) < 0.01")],
+        [("hypot(goal[0] - x, goal[1] - y) < 0.01", "max(abs(goal[0] - x), abs(goal[1] - y)) < 0.01")],
+        [("abs(complex(*goal[:2]) - here) < 0.01", "abs((complex(*goal[:2]) - here).real) < 0.01")],
+    ),
+    *_three(
         "ahead-along",
         [("rest & (away > ahead)", "rest & (np.hypot(*(path - path[np.argmin(away)]).T) > ahead)")],
         [("    while i < len(path) - 1 and far[i] <= ahead:", "    nx, ny = path[i]\n    while i < len(path) - 1 and hypot(path[i][0] - nx, path[i][1] - ny) <= ahead:")],

@@ -29,9 +29,9 @@ OPPOSITE: dict[type[ast.AST], tuple[type[ast.AST], ...]] = {
     ast.Eq: (ast.NotEq, ast.Lt, ast.Gt),
 }
 RANKS = (
-    "sine", "S4", "arctan", "half-cell", "slip-comparison", "slip-sign", "slip-brackets",
-    "slip-loop", "slip-order", "slip-operator", "slip-function", "slip-number", "slip-too-much",
-    "slip-name", "slip-missing",
+    "sine", "S4", "arctan", "half-cell", "slip-comparison", "slip-range", "slip-sign",
+    "slip-brackets", "slip-loop", "slip-order", "slip-operator", "slip-function", "slip-number",
+    "slip-too-much", "slip-name", "slip-missing",
 )  # fmt: skip
 """Causes in the order in which they are tried; what has a name of its own comes first."""
 SIGNS, COMPARISONS = (ast.Add, ast.Sub), (ast.cmpop, ast.boolop, ast.BitAnd, ast.BitOr)
@@ -78,6 +78,8 @@ TRIGONOMETRY = frozenset(["sin", "cos", "tan", "exp"])
 """Functions of an angle."""
 ANGLES = frozenset(["radians", "degrees", "deg2rad", "rad2deg"])
 """Functions that change an angle's unit."""
+COUNTING = frozenset(["range", "arange"])
+"""Functions that count from a number to another."""
 BOUNDS = frozenset(["min", "max", "minimum", "maximum"])
 """Functions of two arguments of which the second can be one too many."""
 ATTRIBUTES = ("u0", "v0", "slow", "fast", "height", "forward")
@@ -435,6 +437,7 @@ def _expressions(
         yield from _constants(place, child, names, numbers)
     else:
         yield from _less(place, child)
+        yield from _ranges(place, child)
         yield from _brackets(place, child)
         yield from _terms(place, child, values)
         yield from _named(place, child, names)
@@ -509,10 +512,26 @@ def _brackets(place: _Place, child: ast.expr) -> Iterator[Edit]:
         if isinstance(right, ast.BinOp) and type(right.op) is not type(child.op):
             inner = ast.BinOp(left, child.op, right.left)
             made.append(ast.BinOp(inner, right.op, right.right))
-        if isinstance(left, ast.Call) and len(left.args) == 1 and not left.keywords:
+        alone = isinstance(left, ast.Call) and len(left.args) == 1 and not left.keywords
+        if isinstance(left, ast.Call) and alone and _last_name(left.func) != "len":
             made.append(ast.Call(left.func, [ast.BinOp(left.args[0], child.op, right)], []))
     for new in made:
         yield place.edit("slip-brackets", phrase("other brackets"), ("brackets",), new)
+
+
+def _ranges(place: _Place, child: ast.expr) -> Iterator[Edit]:
+    """Let a range begin or end one earlier or later, or a slice take all."""
+    words = phrase("one more or one less")
+    if isinstance(child, ast.Call) and _last_name(child.func) in COUNTING:
+        for index, argument in enumerate(child.args[:2]):
+            for operator in (ast.Add, ast.Sub):
+                changed = list(child.args)
+                changed[index] = ast.BinOp(argument, operator(), ast.Constant(1))
+                kind = ("range", operator, index)
+                new = ast.Call(child.func, changed, child.keywords)
+                yield place.edit("slip-range", words, kind, new)
+    if isinstance(child, ast.Subscript) and isinstance(child.slice, ast.Slice):
+        yield place.edit("slip-range", words, ("slice",), child.value)
 
 
 def _terms(place: _Place, child: ast.expr, values: list[ast.expr]) -> Iterator[Edit]:

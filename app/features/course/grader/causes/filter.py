@@ -145,6 +145,16 @@ FILTER = {
         "The heading is that of one particle, and not a mean.",
         "Average the headings of all that belong to the place, as cosine and sine, by weight.",
     ),
+    "place-of-one": Cause(
+        "The estimate's place jumps from scan to scan.",
+        "x and y are those of one particle, and not a mean.",
+        "Average x and y of all that belong to the place, by weight.",
+    ),
+    "turn-alone": Cause(
+        "The estimate looks along x, wherever the robot looks.",
+        "The heading is the mean difference to the heaviest particle, without that particle's own.",
+        "A mean of differences is a difference: to what does it have to be added?",
+    ),
     "weights": Cause(
         "The weights mean nothing after resampling.",
         "The weights that come back are not all 1/n.",
@@ -268,6 +278,11 @@ FILTER = {
         "It reacts to one picture alone, or to nothing.",
         "The new values of the memories, or of one of them, are not kept.",
         "memory.slow and memory.fast themselves have to change, each time.",
+    ),
+    "memory-mixed": Cause(
+        "One memory follows the other instead of the fits.",
+        "A memory is made of the other memory's value, and not of its own.",
+        "memory.slow comes from memory.slow and the fit; memory.fast from memory.fast and the fit.",
     ),
     "memory-late": Cause(
         "It notices one picture too late.",

@@ -20,6 +20,11 @@ STEERING = {
         "The goal's heading is forgotten.",
         "Where the place is reached, only the heading is left: turn to goal[2].",
     ),
+    "goal-place": Cause(
+        "The robot stops where its goal is not, or drives on where it is.",
+        "How far the goal is away is not the length of (dx, dy).",
+        "Nearer than 10 mm means a circle: math.hypot(dx, dy) < 0.01.",
+    ),
     "look-behind": Cause(
         "The robot turns around and drives back to where it came from.",
         "The look-ahead point lies behind the robot.",

@@ -61,6 +61,8 @@ def cases(seed: int) -> list[Case]:
         _case("end", "The goal is near.", (0.243, 0.011, -0.3), straight, 0.5),
         _case("goal", "It is at the goal.", (0.297, 0.003, 0.2), straight, 1.0),
         _case("goal", "It is at the goal.", (0.303, -0.004, 2.9), straight, -2.8),
+        _case("way", "It is beside its goal.", (0.297, 0.053, -0.7), straight, 1.0),
+        _case("way", "It is close to its goal.", (0.2923, 0.0087, 0.3), straight, 1.0),
     ]
     for delay in (0.05, 0.2):
         drawn = tuple(rng.uniform([-0.28, -0.06, -0.8], [0.1, 0.06, 0.8]).tolist())
@@ -110,7 +112,10 @@ def expected(case: Case, mistakes: frozenset[str]) -> Array:
     """What a controller with mistakes commands."""
     pose, _, goal, _, _, delay = case.arguments
     gain = next((rule(delay) for name, rule in GAINS.items() if name in mistakes), GAIN / delay)
-    arrived = math.hypot(*(goal[:2] - pose[:2])) < THERE_M and "no-goal" not in mistakes
+    dx, dy = np.abs(goal[:2] - pose[:2]).tolist()
+    nears = {"goal-x": dx, "goal-y": dy, "goal-square": max(dx, dy), "goal-sum": dx + dy}
+    near = next((each for name, each in nears.items() if name in mistakes), math.hypot(dx, dy))
+    arrived = near < THERE_M and "no-goal" not in mistakes
     own = 0.0 if "goal-heading-alone" in mistakes else pose[2]
     error = float(goal[2] - own) if arrived else _bearing(case, mistakes)
     part = "goal" if arrived else "way"
@@ -229,6 +234,10 @@ CHECKS = Checks(
         *(Hypothesis(name, "gain-delay", frozenset(GAINS)) for name in GAINS),
         Hypothesis("no-goal", "goal-heading", kind="goal"),
         Hypothesis("heading-forgotten", "goal-heading", kind="goal"),
+        *(
+            Hypothesis(name, "goal-place")
+            for name in ("goal-x", "goal-y", "goal-square", "goal-sum")
+        ),
         Hypothesis("goal-heading-alone", "own-heading", kind="goal"),
         Hypothesis("from-start", "look-behind", frozenset(TARGETS)),
         Hypothesis("before", "look-behind", frozenset(TARGETS)),

@@ -65,6 +65,22 @@ def test_all_causes_of_edits_have_words():
     assert "slip-sign" in causes
 
 
+@pytest.mark.parametrize("counted", ["range(len(values) - 1)", "range(1, len(values))"])
+def test_a_range_that_is_one_too_short_is_not_told_as_brackets(counted):
+    wrong = f"def total(values):\n    return sum(values[place] for place in {counted})\n"
+    for edit, changed in mended(wrong, ["total"]):
+        names = {}
+        try:
+            exec(changed, names)
+            right = names["total"]([3, 4, 5]) == 12
+        except Exception:
+            continue
+        if right:
+            assert edit.cause == "slip-range"
+            return
+    pytest.fail("no edit mends it")
+
+
 @pytest.mark.parametrize(
     ("wrong", "right"),
     [
