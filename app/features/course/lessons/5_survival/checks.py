@@ -18,6 +18,8 @@ DRAWS = 60
 """Draws over which the copies of each particle are averaged."""
 LIKELY = 6.0
 """Standard errors that no correct sampler differs by."""
+STARTS = (np.arange(500) + 0.5) / 500
+"""First numbers over which copies are averaged, as shares of 1/n."""
 Indices = NDArray[np.intp]
 UNLIKE = -1
 """Index of a particle that was not among those given."""
@@ -123,8 +125,6 @@ RULES: dict[str, Callable[[Array], Array]] = {
     "longer-steps": lambda weights: _stepped(weights, len(weights) - 1),
     "shorter-steps": lambda weights: _stepped(weights, len(weights) + 1),
 }
-STARTS = (np.arange(500) + 0.5) / 500
-"""First numbers over which copies are averaged, as shares of 1/n."""
 
 
 def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
@@ -162,7 +162,7 @@ def _survivors(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
         if (drawn == UNLIKE).any():
             yield Sign("invented", outcome)
         elif weightless and not outcome.answers[0].shared:
-            wrong.append((outcome, _beside(outcome, drawn)))
+            wrong.append((outcome, _beside(outcome, drawn) or _immortal(outcome, drawn)))
     unlike = [item for item in many if not _as_weighed(item)]
     fixed = [item for item in unlike if _is_fixed(item)]
     if fixed and len(fixed) == len(unlike) and not wrong:
@@ -181,6 +181,12 @@ def _is_fixed(outcome: Outcome) -> bool:
     """Return whether each draw gives each particle the same number of copies."""
     copies = [np.sort(_drawn(each, outcome.case)) for each in outcome.answers]
     return all(np.array_equal(copies[0], each) for each in copies)
+
+
+def _immortal(outcome: Outcome, drawn: Indices) -> bool:
+    """Return whether the first particle survives once in each draw, and no other without weight."""
+    undue = drawn[outcome.case.arguments[1][drawn] == 0]
+    return len(undue) <= len(outcome.answers) and not undue.any()
 
 
 def _as_weighed(outcome: Outcome) -> bool:
