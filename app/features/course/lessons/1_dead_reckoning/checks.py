@@ -140,8 +140,9 @@ def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
     if wrong and all(_turned_round(item) for item in wrong):
         yield Sign("wrap-half", wrong[0])
     yield from heading_signs(outcomes, [array_of(item.result, (3,))[None] for item in outcomes])
-    spins = [item for item in outcomes if item.case.kind == "spin" and _moved(item) > 1e-4]
-    if spins and all(_right(item) for item in outcomes[:1]):
+    turned = [item for item in outcomes if item.case.kind == "spin"]
+    spins = [item for item in turned if _moved(item) > 1e-4]
+    if spins and len(spins) == len(turned) and all(_right(item) for item in outcomes[:1]):
         yield Sign("M4", spins[0], weak=True)
     shares = [_turn_share(item) for item in outcomes if item.case.kind in ("spin", "arc")]
     usual = not shares or min(abs(np.mean(shares)), abs(np.mean(shares) - 1)) < 0.05

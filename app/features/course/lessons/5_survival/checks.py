@@ -16,6 +16,8 @@ from robot.geometry import Array
 
 DRAWS = 60
 """Draws over which the copies of each particle are averaged."""
+PAIR_DRAWS = 400
+"""Draws of two particles: steps of 1/(n + 1) give 4/3 and 2/3 copies, far beyond chance."""
 LIKELY = 6.0
 """Standard errors that no correct sampler differs by."""
 STARTS = (np.arange(500) + 0.5) / 500
@@ -35,6 +37,7 @@ def cases(seed: int) -> list[Case]:
     made.append(_many(uneven / uneven.sum(), seed + 100))
     small = rng.uniform(size=40) ** 3 * (rng.random(40) < 0.7)
     made.append(_many(small / small.sum(), seed + 200))
+    made.append(_many(np.full(2, 0.5), seed + 300, PAIR_DRAWS))  # where a step is the longest
     words = Words("Twice with the same generator's seed, then with others.")
     even = rng.uniform(0.5, 1.5, 40)
     arguments = (_poses(40), even / even.sum())
@@ -56,19 +59,19 @@ def _sole(place: int, count: int) -> Case:
     return Case("resample", (_poses(count), np.eye(count)[place]), words, "sole", 1e-9, (5,))
 
 
-def _many(weights: Array, seed: int) -> Case:
+def _many(weights: Array, seed: int, draws: int = DRAWS) -> Case:
     count = len(weights)
     words = Words(
         "{count} particles with the weights {weights}; {draws} draws.",
         {
             "count": count,
             "weights": ", ".join(f"{weight:.2f}" for weight in weights[:10]),
-            "draws": DRAWS,
+            "draws": draws,
         },
     )
     # The most that copies vary, by the plainest sampler; better ones vary less.
-    error = LIKELY * np.sqrt(count * weights * (1 - weights) / DRAWS) + 1e-9
-    seeds = tuple(range(seed, seed + DRAWS))
+    error = LIKELY * np.sqrt(count * weights * (1 - weights) / draws) + 1e-9
+    seeds = tuple(range(seed, seed + draws))
     return Case("resample", (_poses(count), weights), words, "many", error, seeds)
 
 
