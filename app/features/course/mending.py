@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import islice
@@ -16,7 +16,12 @@ from app.features.course.grader.case import Case, Checks, FormError, Outcome
 from app.features.course.grader.diagnosis import Measured, agree
 from app.features.course.grader.edits import Edit, mended
 from app.features.course.sandbox.file_clock import FileClock
-from app.features.course.sandbox.student_process import Answer, StudentError, StudentProcess
+from app.features.course.sandbox.student_process import (
+    CANNOT_USE,
+    Answer,
+    StudentError,
+    StudentProcess,
+)
 
 MOST_CHANGES, MOST_SLOW = 4000, 600
 """Changes that are tried; and where one case takes long, as a cloud of particles does."""
@@ -48,17 +53,33 @@ def answered(process: StudentProcess, case: Case, seconds: float | None = None) 
         StudentError: there is no result.
     """
     case.begin()
+    offered = case.offered
+    if seconds is not None:
+        offered = {name: _lenient(function) for name, function in offered.items()}
     if case.play is not None:
 
         def ask(*arguments: Any, seed: int | None = None) -> Answer:
-            return process.call(case.function, arguments, seed, case.offered, seconds=seconds)
+            return process.call(case.function, arguments, seed, offered, seconds=seconds)
 
         return Outcome(case, (Answer(case.play(ask)),))
     answers = [
-        process.call(case.function, case.arguments, seed, case.offered, seconds=seconds)
+        process.call(case.function, case.arguments, seed, offered, seconds=seconds)
         for seed in case.seeds or (None,)
     ]
     return Outcome(case, tuple(answers))
+
+
+def _lenient(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Return no number for what a function cannot use: an error would end the process, and a
+    changed program asks for such things often."""
+
+    def ask(*arguments: Any) -> Any:
+        try:
+            return function(*arguments)
+        except CANNOT_USE:
+            return math.nan
+
+    return ask
 
 
 def mend(

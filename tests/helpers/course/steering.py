@@ -120,6 +120,25 @@ def source_of(writing: Writing) -> str:
 
 MISTAKES = [
     *_three(
+        "goal-place",
+        [("np.linalg.norm(goal[:2] - pose[:2]) < 0.01", "abs(goal[0] - pose[0]) < 0.01")],
+        [("hypot(goal[0] - x, goal[1] - y) < 0.01", "max(abs(goal[0] - x), abs(goal[1] - y)) < 0.01")],
+        [("abs(complex(*goal[:2]) - here) < 0.01", "abs((complex(*goal[:2]) - here).real) < 0.01")],
+    ),
+    *_three(
+        "ahead-along",
+        [("rest & (away > ahead)", "rest & (np.hypot(*(path - path[np.argmin(away)]).T) > ahead)")],
+        [("    while i < len(path) - 1 and far[i] <= ahead:", "    nx, ny = path[i]\n    while i < len(path) - 1 and hypot(path[i][0] - nx, path[i][1] - ny) <= ahead:")],
+        [("abs(p - here) > ahead", "abs(p - way[start]) > ahead")],
+    ),
+    *_three(
+        "end-lost",
+        [("found[0] if len(found) else -1", "found[0] if len(found) else np.argmin(away)")],
+        [("    i = far.index(min(far))\n", "    i = far.index(min(far))\n    near = i\n"),
+         ("    error = wrap(atan2(", "    i = near if far[i] <= ahead else i\n    error = wrap(atan2(")],
+        [("> ahead), way[-1])", "> ahead), way[0])")],
+    ),
+    *_three(
         "turn-away",
         [("np.arctan2(y, x) - pose[2]", "pose[2] - np.arctan2(y, x)"),
          ("goal[2] - pose[2], 0.0", "pose[2] - goal[2], 0.0")],

@@ -29,9 +29,9 @@ OPPOSITE: dict[type[ast.AST], tuple[type[ast.AST], ...]] = {
     ast.Eq: (ast.NotEq, ast.Lt, ast.Gt),
 }
 RANKS = (
-    "sine", "S4", "arctan", "half-cell", "slip-comparison", "slip-sign", "slip-brackets",
-    "slip-loop", "slip-order", "slip-operator", "slip-function", "slip-number", "slip-too-much",
-    "slip-name", "slip-missing",
+    "sine", "S4", "arctan", "half-cell", "slip-comparison", "slip-range", "slip-sign",
+    "slip-brackets", "slip-loop", "slip-order", "slip-operator", "slip-function", "slip-number",
+    "slip-too-much", "slip-name", "slip-missing",
 )  # fmt: skip
 """Causes in the order in which they are tried; what has a name of its own comes first."""
 SIGNS, COMPARISONS = (ast.Add, ast.Sub), (ast.cmpop, ast.boolop, ast.BitAnd, ast.BitOr)
@@ -51,6 +51,8 @@ FUNCTIONS: dict[str, tuple[str, ...]] = {
 """What is taken for what, by the last part of the function's name."""
 NUMBERS = (0, 1, 2, 3, 0.5, 0.95, 0.05, 0.1, 0.001, 0.01, math.pi, math.tau)
 """Numbers that lessons name, besides those of the code itself."""
+SAME_ANGLES = ({180, math.pi}, {360, math.tau})
+"""The same angle in degrees and in radians."""
 CALLED_OFF = frozenset(
     (
         "abs", "fabs", "sqrt", "log", "exp", "square", "radians", "degrees", "deg2rad", "rad2deg",
@@ -76,6 +78,8 @@ TRIGONOMETRY = frozenset(["sin", "cos", "tan", "exp"])
 """Functions of an angle."""
 ANGLES = frozenset(["radians", "degrees", "deg2rad", "rad2deg"])
 """Functions that change an angle's unit."""
+COUNTING = frozenset(["range", "arange"])
+"""Functions that count from a number to another."""
 BOUNDS = frozenset(["min", "max", "minimum", "maximum"])
 """Functions of two arguments of which the second can be one too many."""
 ATTRIBUTES = ("u0", "v0", "slow", "fast", "height", "forward")
@@ -207,12 +211,8 @@ def _nested(chosen: tuple[Edit, ...]) -> bool:
 
 
 def _reached(tree: ast.Module, functions: Iterable[str]) -> list[int]:
-    """Return where the functions are, and those that they call."""
-    where = {
-        item.name: place
-        for place, item in enumerate(tree.body)
-        if isinstance(item, ast.FunctionDef)
-    }
+    """Return where the functions are, and what of the file they use: functions, classes, values."""
+    where = {name: place for place, item in enumerate(tree.body) for name in _defined(item)}
     waiting, reached = [name for name in functions if name in where], list[int]()
     while waiting:
         place = where[waiting.pop(0)]
@@ -222,6 +222,16 @@ def _reached(tree: ast.Module, functions: Iterable[str]) -> list[int]:
         names = (item.id for item in ast.walk(tree.body[place]) if isinstance(item, ast.Name))
         waiting += [name for name in names if name in where]
     return reached
+
+
+def _defined(item: ast.stmt) -> list[str]:
+    """Return what a statement of the file defines: a function, a class, or values."""
+    if isinstance(item, ast.FunctionDef | ast.ClassDef):
+        return [item.name]
+    targets = item.targets if isinstance(item, ast.Assign) else []
+    return [
+        inner.id for target in targets for inner in ast.walk(target) if isinstance(inner, ast.Name)
+    ]
 
 
 def _edits(function: ast.stmt) -> Iterator[Edit]:
@@ -338,7 +348,7 @@ def _lines(parent: ast.AST) -> Iterator[Edit]:
     """Exchange two lines, leave one out, or move one out of a loop or before it."""
     for part in ("body", "orelse"):
         lines = getattr(parent, part, None)
-        if not isinstance(lines, list):
+        if not isinstance(lines, list) or isinstance(parent, ast.ClassDef):
             continue
         for index in range(len(lines) - 1):
             if isinstance(lines[index + 1], ast.Return) or isinstance(lines[index], ast.Return):
@@ -427,6 +437,7 @@ def _expressions(
         yield from _constants(place, child, names, numbers)
     else:
         yield from _less(place, child)
+        yield from _ranges(place, child)
         yield from _brackets(place, child)
         yield from _terms(place, child, values)
         yield from _named(place, child, names)
@@ -451,7 +462,8 @@ def _constants(
     for value in numbers:
         if value != old:
             kind = ("number", *sorted((old, value)))
-            yield place.edit("slip-number", phrase("another number"), kind, ast.Constant(value))
+            cause = "S4" if {old, value} in SAME_ANGLES else "slip-number"
+            yield place.edit(cause, phrase("another number"), kind, ast.Constant(value))
     if isinstance(place.parent, ast.Assign) and old == 0:
         for name in names:
             first = ast.Subscript(ast.Name(name, ast.Load()), ast.Constant(0), ast.Load())
@@ -500,10 +512,26 @@ def _brackets(place: _Place, child: ast.expr) -> Iterator[Edit]:
         if isinstance(right, ast.BinOp) and type(right.op) is not type(child.op):
             inner = ast.BinOp(left, child.op, right.left)
             made.append(ast.BinOp(inner, right.op, right.right))
-        if isinstance(left, ast.Call) and len(left.args) == 1 and not left.keywords:
+        alone = isinstance(left, ast.Call) and len(left.args) == 1 and not left.keywords
+        if isinstance(left, ast.Call) and alone and _last_name(left.func) != "len":
             made.append(ast.Call(left.func, [ast.BinOp(left.args[0], child.op, right)], []))
     for new in made:
         yield place.edit("slip-brackets", phrase("other brackets"), ("brackets",), new)
+
+
+def _ranges(place: _Place, child: ast.expr) -> Iterator[Edit]:
+    """Let a range begin or end one earlier or later, or a slice take all."""
+    words = phrase("one more or one less")
+    if isinstance(child, ast.Call) and _last_name(child.func) in COUNTING:
+        for index, argument in enumerate(child.args[:2]):
+            for operator in (ast.Add, ast.Sub):
+                changed = list(child.args)
+                changed[index] = ast.BinOp(argument, operator(), ast.Constant(1))
+                kind = ("range", operator, index)
+                new = ast.Call(child.func, changed, child.keywords)
+                yield place.edit("slip-range", words, kind, new)
+    if isinstance(child, ast.Subscript) and isinstance(child.slice, ast.Slice):
+        yield place.edit("slip-range", words, ("slice",), child.value)
 
 
 def _terms(place: _Place, child: ast.expr, values: list[ast.expr]) -> Iterator[Edit]:

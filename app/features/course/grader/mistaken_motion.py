@@ -124,8 +124,16 @@ def _deviations(step: tuple[float, float, float], alphas: Array, mistakes: froze
     }
     variances = _sums(alphas, way**2, by_mistake(mistakes, taken, (rot1**2, rot2**2)), squares)
     sizes = abs(way), (abs(rot1), abs(rot2)), abs(rot1) + abs(rot2)
-    if "unsquared" in mistakes:
-        variances = _sums(alphas, *sizes)
+    variances = by_mistake(
+        mistakes,
+        {
+            "unsquared": _sums(alphas, *sizes),
+            "turns-unsquared": _sums(alphas, way**2, sizes[1], squares),
+            "turned-unsquared": _sums(alphas, way**2, (rot1**2, rot2**2), sizes[2]),
+            "way-unsquared": _sums(alphas, abs(way), (rot1**2, rot2**2), squares),
+        },
+        variances,
+    )
     if "absolute" in mistakes:
         return _sums(alphas, *sizes)
     if "deviations-summed" in mistakes:

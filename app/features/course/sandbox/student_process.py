@@ -309,4 +309,4 @@ def _served(answer: Mapping[str, Any], offered: Mapping[str, Callable[..., Any]]
         ) from error
 
 
-__all__ = ["OFFERED", "Answer", "StudentError", "StudentProcess"]
+__all__ = ["CANNOT_USE", "OFFERED", "Answer", "StudentError", "StudentProcess"]

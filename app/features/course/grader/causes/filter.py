@@ -65,6 +65,11 @@ FILTER = {
         "The numbers do not lie on the line where the weights lie end to end.",
         "Print where each weight ends on the line, and the numbers: both go from 0 to 1, and grow.",
     ),
+    "steps": Cause(
+        "Those at the end of the list get too many copies, or too few.",
+        "The steps along the line are not 1/n.",
+        "n numbers, each 1/n farther than the one before: all of them lie below 1.",
+    ),
     "weights-ignored": Cause(
         "Bad particles count as much as good ones.",
         "The weights make no difference.",
@@ -139,6 +144,16 @@ FILTER = {
         "The estimate's heading jumps from scan to scan.",
         "The heading is that of one particle, and not a mean.",
         "Average the headings of all that belong to the place, as cosine and sine, by weight.",
+    ),
+    "place-of-one": Cause(
+        "The estimate's place jumps from scan to scan.",
+        "x and y are those of one particle, and not a mean.",
+        "Average x and y of all that belong to the place, by weight.",
+    ),
+    "turn-alone": Cause(
+        "The estimate looks along x, wherever the robot looks.",
+        "The heading is the mean difference to the heaviest particle, without that particle's own.",
+        "A mean of differences is a difference: to what does it have to be added?",
     ),
     "weights": Cause(
         "The weights mean nothing after resampling.",
@@ -264,6 +279,11 @@ FILTER = {
         "The new values of the memories, or of one of them, are not kept.",
         "memory.slow and memory.fast themselves have to change, each time.",
     ),
+    "memory-mixed": Cause(
+        "One memory follows the other instead of the fits.",
+        "A memory is made of the other memory's value, and not of its own.",
+        "memory.slow comes from memory.slow and the fit; memory.fast from memory.fast and the fit.",
+    ),
     "memory-late": Cause(
         "It notices one picture too late.",
         "The share is worked out before the memories take the newest fit.",
@@ -354,6 +374,11 @@ FILTER = {
         "The belief becomes too sure while driving.",
         "The step adds no variance.",
         "Each step is a little wrong: its variance is added.",
+    ),
+    "step-late": Cause(
+        "The belief after a step and a look is not the one that is due.",
+        "The gain, or what is left of the variance, is made of the variance before the step.",
+        "First the step: a new mean and a new variance. All that follows is made of these.",
     ),
     "look-first": Cause(
         "The look is compared with where the robot was before.",

@@ -23,6 +23,12 @@ MOTION = {
         "their noise.",
         "For a step backwards, let the way be negative and the first rotation small.",
     ),
+    "middle-wrapped": Cause(
+        "Where the heading jumps from π to -π, the robot drives the other way.",
+        "The direction half-way is the mean of two headings, one of them already brought back to "
+        "-π to π.",
+        "Add half of the turn to the old heading; bring back the new heading last.",
+    ),
     "M4": Cause(
         "The robot wanders off while it turns on the spot.",
         "The way is not the mean of both wheels: one that rolls back counts as if it rolled ahead, "

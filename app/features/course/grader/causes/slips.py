@@ -11,6 +11,11 @@ SLIPS = {
         "round.",
         "Read that line aloud, term by term: which of them has to make the result larger?",
     ),
+    "slip-range": Cause(
+        "The first one or the last one is left out, or one too many is taken.",
+        "A range begins or ends one beside where it should.",
+        "range(n) gives 0 to n - 1. Which is the first one, and which the last?",
+    ),
     "slip-loop": Cause(
         "It goes one step where it should go on.",
         "if asks once; what is to be done as long as it is so needs while.",

@@ -20,6 +20,11 @@ STEERING = {
         "The goal's heading is forgotten.",
         "Where the place is reached, only the heading is left: turn to goal[2].",
     ),
+    "goal-place": Cause(
+        "The robot stops where its goal is not, or drives on where it is.",
+        "How far the goal is away is not the length of (dx, dy).",
+        "Nearer than 10 mm means a circle: math.hypot(dx, dy) < 0.01.",
+    ),
     "look-behind": Cause(
         "The robot turns around and drives back to where it came from.",
         "The look-ahead point lies behind the robot.",
@@ -54,6 +59,16 @@ STEERING = {
         "How far it looks ahead depends on how dense the way's points are.",
         "It aims a fixed number of points ahead.",
         "Take the first point, from the nearest on, that is farther than `ahead` from the robot.",
+    ),
+    "ahead-along": Cause(
+        "Beside its way, the robot looks farther ahead than it should.",
+        "The look-ahead distance is measured from the way's nearest point, not from the robot.",
+        "The point is farther than `ahead` from the robot's own place.",
+    ),
+    "end-lost": Cause(
+        "Close to its goal the robot turns round, or does not get there.",
+        "Where no point of the way is far enough, it aims at another one than the last.",
+        "Which point does your search give if it finds none? It has to be path[-1].",
     ),
     "drives-away": Cause(
         "With the point behind it, the robot drives away from it.",

@@ -34,9 +34,11 @@ GAINS: dict[str, Rule] = {
 FURTHER = (2, 3, 4, 5, 6, 8, 10, 15, 20)
 """Points beyond the nearest one at which one aims who counts points, not their distance."""
 TARGETS = (
-    *("from-start", "nearest", "last", "before", "next", "from-far"),
+    *("from-start", "from-nearest", "nearest", "last", "before", "next", "from-far"),
     *(f"further-{points}" for points in FURTHER),
 )
+ENDS: dict[str, int | None] = {"end-nearest": None, "end-first": 0, "end-before": -2}
+"""Where on the way one aims where no point is far enough; None is the nearest."""
 ERRORS = ("own-heading", "heading-added", "axes", "from-target")
 
 
@@ -59,6 +61,8 @@ def cases(seed: int) -> list[Case]:
         _case("end", "The goal is near.", (0.243, 0.011, -0.3), straight, 0.5),
         _case("goal", "It is at the goal.", (0.297, 0.003, 0.2), straight, 1.0),
         _case("goal", "It is at the goal.", (0.303, -0.004, 2.9), straight, -2.8),
+        _case("way", "It is beside its goal.", (0.297, 0.053, -0.7), straight, 1.0),
+        _case("way", "It is close to its goal.", (0.2923, 0.0087, 0.3), straight, 1.0),
     ]
     for delay in (0.05, 0.2):
         drawn = tuple(rng.uniform([-0.28, -0.06, -0.8], [0.1, 0.06, 0.8]).tolist())
@@ -108,7 +112,10 @@ def expected(case: Case, mistakes: frozenset[str]) -> Array:
     """What a controller with mistakes commands."""
     pose, _, goal, _, _, delay = case.arguments
     gain = next((rule(delay) for name, rule in GAINS.items() if name in mistakes), GAIN / delay)
-    arrived = math.hypot(*(goal[:2] - pose[:2])) < THERE_M and "no-goal" not in mistakes
+    dx, dy = np.abs(goal[:2] - pose[:2]).tolist()
+    nears = {"goal-x": dx, "goal-y": dy, "goal-square": max(dx, dy), "goal-sum": dx + dy}
+    near = next((each for name, each in nears.items() if name in mistakes), math.hypot(dx, dy))
+    arrived = near < THERE_M and "no-goal" not in mistakes
     own = 0.0 if "goal-heading-alone" in mistakes else pose[2]
     error = float(goal[2] - own) if arrived else _bearing(case, mistakes)
     part = "goal" if arrived else "way"
@@ -134,13 +141,18 @@ def _speed(case: Case, error: float, arrived: bool, mistakes: frozenset[str]) ->
     return speed * (ahead if "backwards" in mistakes else max(0.0, ahead))
 
 
-def _bearing(case: Case, mistakes: frozenset[str]) -> float:
+def _target(case: Case, mistakes: frozenset[str]) -> int:
+    """Return which point of the way is aimed at."""
     pose, path, _, _, ahead, _ = case.arguments
     away = np.hypot(*(path - pose[:2]).T)
     nearest = int(away.argmin())
     ahead = math.sqrt(ahead) if "ahead-rooted" in mistakes else ahead
     far = nearest + np.flatnonzero(away[nearest:] > ahead)
-    target = int(far[0]) if len(far) else len(path) - 1
+    if "from-nearest" in mistakes:
+        along = np.hypot(*(path[nearest:] - path[nearest]).T)
+        far = nearest + np.flatnonzero(along > ahead)
+    end = next((place for name, place in ENDS.items() if name in mistakes), -1)
+    target = int(far[0]) if len(far) else (nearest if end is None else end)
     if "from-start" in mistakes:
         target = int(np.append(np.flatnonzero(away > ahead), len(path) - 1)[0])
     if "nearest" in mistakes:
@@ -158,7 +170,12 @@ def _bearing(case: Case, mistakes: frozenset[str]) -> float:
     if "from-far" in mistakes:
         within = np.flatnonzero(away <= ahead)
         target = int(within[-1]) if len(within) else nearest
-    dx, dy = (path[target] - pose[:2]).tolist()
+    return target
+
+
+def _bearing(case: Case, mistakes: frozenset[str]) -> float:
+    pose, path = case.arguments[:2]
+    dx, dy = (path[_target(case, mistakes)] - pose[:2]).tolist()
     if "from-target" in mistakes:
         dx, dy = -dx, -dy
     bearing = math.atan2(dx, dy) if "axes" in mistakes else math.atan2(dy, dx)
@@ -217,6 +234,10 @@ CHECKS = Checks(
         *(Hypothesis(name, "gain-delay", frozenset(GAINS)) for name in GAINS),
         Hypothesis("no-goal", "goal-heading", kind="goal"),
         Hypothesis("heading-forgotten", "goal-heading", kind="goal"),
+        *(
+            Hypothesis(name, "goal-place")
+            for name in ("goal-x", "goal-y", "goal-square", "goal-sum")
+        ),
         Hypothesis("goal-heading-alone", "own-heading", kind="goal"),
         Hypothesis("from-start", "look-behind", frozenset(TARGETS)),
         Hypothesis("before", "look-behind", frozenset(TARGETS)),
@@ -229,6 +250,8 @@ CHECKS = Checks(
         Hypothesis("heading-added", "own-heading", frozenset(ERRORS)),
         Hypothesis("axes", "bearing-axes", frozenset(ERRORS)),
         Hypothesis("from-target", "bearing-back", frozenset(ERRORS)),
+        Hypothesis("from-nearest", "ahead-along", frozenset(TARGETS)),
+        *(Hypothesis(name, "end-lost", frozenset([*TARGETS, *ENDS])) for name in ENDS),
         Hypothesis("full-speed", "full-speed"),
         Hypothesis("backwards", "backwards"),
         Hypothesis("cosine-size", "drives-away"),

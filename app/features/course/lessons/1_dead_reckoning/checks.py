@@ -30,7 +30,7 @@ STEPS: tuple[tuple[str, str, float, float], ...] = (
 )
 
 LEFT_SPIN, RIGHT_SPIN = [step for step in STEPS if step[0] == "spin"]
-LEFT_ARC = next(step for step in STEPS if step[0] == "arc")
+LEFT_ARC, RIGHT_ARC = [step for step in STEPS if step[0] == "arc"][:2]
 WAYS: dict[str, Callable[[float, float], float]] = {
     "absolute": lambda left, right: (abs(left) + abs(right)) / 2,
     "right-wheel": lambda _left, right: right,
@@ -60,6 +60,8 @@ def cases(seed: int) -> list[Case]:
     made += [
         _case(np.array([0.5, 0.5, math.pi - 0.01]), LEFT_SPIN, TRACK),
         _case(np.array([0.5, 0.5, 0.01 - math.pi]), RIGHT_SPIN, TRACK),
+        _case(np.array([0.5, 0.5, math.pi - 0.01]), LEFT_ARC, TRACK),
+        _case(np.array([0.5, 0.5, 0.01 - math.pi]), RIGHT_ARC, TRACK),
     ]
     return made
 
@@ -101,12 +103,7 @@ def expected(case: Case, mistakes: frozenset[str]) -> Array:
         turn = right - left
     turn = abs(turn) if "turn-one-way" in mistakes else turn
     turn *= next((share for name, share in TURNS.items() if name in mistakes), 1.0)
-    ahead = next((share for name, share in DIRECTIONS.items() if name in mistakes), 0.5)
-    direction = pose[2] + ahead * turn
-    if "no-heading" in mistakes:
-        direction -= pose[2]
-    if "degrees" in mistakes:
-        direction = math.radians(direction)
+    direction = _direction(float(pose[2]), turn, mistakes)
     along_x = pose[2] if "old-heading-x" in mistakes else direction
     along_y = pose[2] if "old-heading-y" in mistakes else direction
     x, y = way * math.cos(along_x), way * math.sin(along_y)
@@ -122,6 +119,16 @@ def expected(case: Case, mistakes: frozenset[str]) -> Array:
     return np.array([pose[0] + x, pose[1] + y, math.cos(theta), math.sin(theta)])
 
 
+def _direction(heading: float, turn: float, mistakes: frozenset[str]) -> float:
+    ahead = next((share for name, share in DIRECTIONS.items() if name in mistakes), 0.5)
+    direction = heading + ahead * turn
+    if "wrapped-middle" in mistakes:
+        direction = (heading + float(wrap_angle(heading + turn))) / 2
+    if "no-heading" in mistakes:
+        direction -= heading
+    return math.radians(direction) if "degrees" in mistakes else direction
+
+
 def _way(left: float, right: float, mistakes: frozenset[str]) -> float:
     rule = next((rule for name, rule in WAYS.items() if name in mistakes), None)
     return rule(left, right) if rule else (left + right) / 2
@@ -133,8 +140,9 @@ def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
     if wrong and all(_turned_round(item) for item in wrong):
         yield Sign("wrap-half", wrong[0])
     yield from heading_signs(outcomes, [array_of(item.result, (3,))[None] for item in outcomes])
-    spins = [item for item in outcomes if item.case.kind == "spin" and _moved(item) > 1e-4]
-    if spins and all(_right(item) for item in outcomes[:1]):
+    turned = [item for item in outcomes if item.case.kind == "spin"]
+    spins = [item for item in turned if _moved(item) > 1e-4]
+    if spins and len(spins) == len(turned) and all(_right(item) for item in outcomes[:1]):
         yield Sign("M4", spins[0], weak=True)
     shares = [_turn_share(item) for item in outcomes if item.case.kind in ("spin", "arc")]
     usual = not shares or min(abs(np.mean(shares)), abs(np.mean(shares) - 1)) < 0.05
@@ -224,6 +232,7 @@ CHECKS = Checks(
         Hypothesis("turn-to-radians", "S4", frozenset(TURNS)),
         Hypothesis("degrees", "S4"),
         Hypothesis("no-heading", "M1"),
+        Hypothesis("wrapped-middle", "middle-wrapped"),
         Hypothesis("sine-first", "sine"),
         Hypothesis("from-zero", "start-lost"),
         Hypothesis("heading-lost", "start-lost"),

@@ -16,8 +16,12 @@ from robot.geometry import Array
 
 DRAWS = 60
 """Draws over which the copies of each particle are averaged."""
+PAIR_DRAWS = 400
+"""Draws of two particles: steps of 1/(n + 1) give 4/3 and 2/3 copies, far beyond chance."""
 LIKELY = 6.0
 """Standard errors that no correct sampler differs by."""
+STARTS = (np.arange(500) + 0.5) / 500
+"""First numbers over which copies are averaged, as shares of 1/n."""
 Indices = NDArray[np.intp]
 UNLIKE = -1
 """Index of a particle that was not among those given."""
@@ -33,6 +37,7 @@ def cases(seed: int) -> list[Case]:
     made.append(_many(uneven / uneven.sum(), seed + 100))
     small = rng.uniform(size=40) ** 3 * (rng.random(40) < 0.7)
     made.append(_many(small / small.sum(), seed + 200))
+    made.append(_many(np.full(2, 0.5), seed + 300, PAIR_DRAWS))  # where a step is the longest
     words = Words("Twice with the same generator's seed, then with others.")
     even = rng.uniform(0.5, 1.5, 40)
     arguments = (_poses(40), even / even.sum())
@@ -54,19 +59,19 @@ def _sole(place: int, count: int) -> Case:
     return Case("resample", (_poses(count), np.eye(count)[place]), words, "sole", 1e-9, (5,))
 
 
-def _many(weights: Array, seed: int) -> Case:
+def _many(weights: Array, seed: int, draws: int = DRAWS) -> Case:
     count = len(weights)
     words = Words(
         "{count} particles with the weights {weights}; {draws} draws.",
         {
             "count": count,
             "weights": ", ".join(f"{weight:.2f}" for weight in weights[:10]),
-            "draws": DRAWS,
+            "draws": draws,
         },
     )
     # The most that copies vary, by the plainest sampler; better ones vary less.
-    error = LIKELY * np.sqrt(count * weights * (1 - weights) / DRAWS) + 1e-9
-    seeds = tuple(range(seed, seed + DRAWS))
+    error = LIKELY * np.sqrt(count * weights * (1 - weights) / draws) + 1e-9
+    seeds = tuple(range(seed, seed + draws))
     return Case("resample", (_poses(count), weights), words, "many", error, seeds)
 
 
@@ -103,6 +108,14 @@ def _shifted(weights: Array, shift: int) -> Array:
     return moved
 
 
+def _stepped(weights: Array, parts: int) -> Array:
+    """Return the copies' shares where each step is one of as many parts of the line."""
+    count = len(weights)
+    points = STARTS[:, None] / count + np.arange(count) / parts
+    drawn = np.searchsorted(np.cumsum(weights), points).clip(0, count - 1)
+    return np.bincount(drawn.ravel(), minlength=count) / points.size
+
+
 RULES: dict[str, Callable[[Array], Array]] = {
     "next-one": lambda weights: _shifted(weights, 1),
     "one-before": lambda weights: _shifted(weights, -1),
@@ -112,6 +125,8 @@ RULES: dict[str, Callable[[Array], Array]] = {
     "best": lambda weights: np.eye(len(weights))[int(weights.argmax())],
     "squares": lambda weights: weights**2 / (weights**2).sum(),
     "roots": lambda weights: np.sqrt(weights) / np.sqrt(weights).sum(),
+    "longer-steps": lambda weights: _stepped(weights, len(weights) - 1),
+    "shorter-steps": lambda weights: _stepped(weights, len(weights) + 1),
 }
 
 
@@ -150,7 +165,7 @@ def _survivors(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
         if (drawn == UNLIKE).any():
             yield Sign("invented", outcome)
         elif weightless and not outcome.answers[0].shared:
-            wrong.append((outcome, weightless <= len(outcome.answers) or _beside(outcome, drawn)))
+            wrong.append((outcome, _beside(outcome, drawn) or _immortal(outcome, drawn)))
     unlike = [item for item in many if not _as_weighed(item)]
     fixed = [item for item in unlike if _is_fixed(item)]
     if fixed and len(fixed) == len(unlike) and not wrong:
@@ -171,18 +186,25 @@ def _is_fixed(outcome: Outcome) -> bool:
     return all(np.array_equal(copies[0], each) for each in copies)
 
 
+def _immortal(outcome: Outcome, drawn: Indices) -> bool:
+    """Return whether the first particle survives once in each draw, and no other without weight."""
+    undue = drawn[outcome.case.arguments[1][drawn] == 0]
+    return len(undue) <= len(outcome.answers) and not undue.any()
+
+
 def _as_weighed(outcome: Outcome) -> bool:
     due = expected(outcome.case, frozenset())
     return bool((np.abs(features(outcome) - due) <= outcome.case.tolerance).all())
 
 
 def _beside(outcome: Outcome, drawn: Indices) -> bool:
-    """Return whether all survivors are the one that has all the weight, or sit beside it."""
+    """Return whether most survivors sit beside the one that has all the weight, and the others are
+    that one: an index that is off by one is so for all but those at an end of the list."""
     if outcome.case.kind != "sole":
         return True  # what is beside what cannot be told
     count = len(outcome.case.arguments[1])
     apart = (drawn - int(outcome.case.arguments[1].argmax())) % count
-    return bool(np.isin(apart, (0, 1, count - 1)).all())
+    return bool(np.isin(apart, (0, 1, count - 1)).all() and (apart != 0).mean() > 0.5)
 
 
 def _weights(outcome: Outcome) -> Iterator[Sign]:
@@ -229,6 +251,8 @@ CHECKS = Checks(
         Hypothesis("best", "best-only", ALL),
         Hypothesis("squares", "weights-changed", ALL),
         Hypothesis("roots", "weights-changed", ALL),
+        Hypothesis("longer-steps", "steps", ALL),
+        Hypothesis("shorter-steps", "steps", ALL),
     ),
     signs=signs,
     show=show,

@@ -212,7 +212,9 @@ def _mean(poses: Array, weights: Array, mistakes: frozenset[str]) -> Array:
         "heading-even": float(np.angle(near @ np.exp(1j * poses[:, 2]))),
         "half-arctan": math.atan(toward.imag / toward.real) if toward.real else 0.0,
         "heading-largest": poses[near, 2].max(),
+        "turn-alone": float(share @ offsets[:, 2]),
     }
+    place = best[:2] if "place-best" in mistakes else place
     place = place[::-1] if "xy" in mistakes else place
     return np.array([*place, by_mistake(mistakes, headings, math.atan2(toward.imag, toward.real))])
 
@@ -383,6 +385,8 @@ CHECKS = Checks(
         Hypothesis("of-all", "shares"),
         Hypothesis("xy", "xy"),
         *(Hypothesis(name, "heading-of-one") for name in ("heading-best", "heading-largest")),
+        Hypothesis("turn-alone", "turn-alone"),
+        Hypothesis("place-best", "place-of-one"),
         Hypothesis("heading-even", "weights-ignored"),
         Hypothesis("half-arctan", "half-arctan"),
     ),

@@ -43,6 +43,10 @@ FITS = (
 RUNS, BEFORE, AFTER, PARTICLES = 20, 6, 20, 250
 NEAR_M = 0.15
 RULES = ("either-way", "upside-down", "difference", "newest", "half")
+MIXED = (
+    *("fast-of-slow", "fast-of-new-slow", "fast-of-both"),
+    *("slow-of-fast", "slow-of-new-fast", "slow-of-both"),
+)
 KEEPINGS = {
     "grows": "memory-grows",
     "shares-exchanged": "memory-shares",
@@ -52,6 +56,7 @@ KEEPINGS = {
     "fast-all": "memory-shares",
     "slow-all": "memory-shares",
     "alike-fast": "memory-shares",
+    **dict.fromkeys(MIXED, "memory-mixed"),
 }
 SHARES = {"never": 0.0, "always": 0.1, "all": 1.0}
 ONE_PLACE = Words("All particles that are new are the same one.")
@@ -200,6 +205,12 @@ def _kept_wrongly(
         "alike-fast": (slow + FAST * (fit - slow), due[1]),
         "fast-all": (due[0], fit),
         "slow-all": (fit, due[1]),
+        "fast-of-slow": (due[0], slow + FAST * (fit - slow)),
+        "fast-of-new-slow": (due[0], due[0] + FAST * (fit - due[0])),
+        "fast-of-both": (due[0], fast + FAST * (due[0] - fast)),
+        "slow-of-fast": (fast + SLOW * (fit - fast), due[1]),
+        "slow-of-new-fast": (due[1] + SLOW * (fit - due[1]), due[1]),
+        "slow-of-both": (slow + SLOW * (due[1] - slow), due[1]),
     }
     return next((rule for name, rule in rules.items() if name in mistakes), due)
 

@@ -63,3 +63,40 @@ def test_all_causes_of_edits_have_words():
     causes = {edit.cause for edit, _ in mended(BASES["arrays"], ["log_weight", "motion"])}
     assert causes <= set(CAUSES)
     assert "slip-sign" in causes
+
+
+@pytest.mark.parametrize("counted", ["range(len(values) - 1)", "range(1, len(values))"])
+def test_a_range_that_is_one_too_short_is_not_told_as_brackets(counted):
+    wrong = f"def total(values):\n    return sum(values[place] for place in {counted})\n"
+    for edit, changed in mended(wrong, ["total"]):
+        names = {}
+        try:
+            exec(changed, names)
+            right = names["total"]([3, 4, 5]) == 12
+        except Exception:
+            continue
+        if right:
+            assert edit.cause == "slip-range"
+            return
+    pytest.fail("no edit mends it")
+
+
+@pytest.mark.parametrize(
+    ("wrong", "right"),
+    [
+        (
+            "HALF = 3\n\ndef area(width, height):\n    return width * height / HALF\n",
+            "HALF = 2\n\ndef area(width, height):\n    return width * height / HALF\n",
+        ),
+        (
+            "class Room:\n    def area(self, w, h):\n        return w / h\n"
+            "def area(w, h):\n    return Room().area(w, h)\n",
+            "class Room:\n    def area(self, w, h):\n        return w * h\n"
+            "def area(w, h):\n    return Room().area(w, h)\n",
+        ),
+    ],
+    ids=("a value of the file", "a class"),
+)
+def test_what_a_function_uses_is_changed_too(wrong, right):
+    changed = [source for _, source in mended(wrong, ["area"])]
+    assert ast.unparse(ast.parse(right)) in [ast.unparse(ast.parse(each)) for each in changed]

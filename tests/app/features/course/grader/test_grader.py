@@ -176,3 +176,25 @@ BEGINNERS = [
 def test_what_a_beginner_did_is_named(code, number, changes):
     result = grade(written("arrays", tuple(changes)), "my_filter.py", lesson_of(number))
     assert [finding.cause for finding in result.findings] == [code]
+
+
+KALMAN = """
+def kalman(mean, sd, moved, moved_sd, seen, seen_sd):
+    mean, variance = mean + moved, sd**2 + moved_sd**2
+    k = variance / (variance + seen_sd**2)
+    return mean + k * (seen - mean), ((1 - k) * variance) ** 0.5
+"""
+
+
+@pytest.mark.parametrize(
+    ("cause", "changes"),
+    [
+        ("step-late", ("k = variance / (variance", "k = sd**2 / (sd**2")),
+        ("step-late", ("((1 - k) * variance)", "((1 - k) * sd**2)")),
+        ("step-sure", ("sd**2 + moved_sd**2", "sd**2")),
+    ],
+)
+def test_a_variance_that_comes_late_is_not_one_that_is_missing(cause, changes):
+    assert KALMAN.count(changes[0]) == 1
+    (finding,) = grade(KALMAN.replace(*changes), "mine.py", lesson_of(9)).findings
+    assert finding.cause == cause
