@@ -37,6 +37,7 @@ MOVES = 6
 MOST_PLACES = 400_000
 """The search ends after so many, and says that it has found nothing."""
 FRINGE = 1e-6
+"""A robot that stands nearer to a wall than its clearance keeps what it has, less this [m]."""
 
 
 def plan_in_headings(free: FreeSpace, start: Pose2, goal: Pose2) -> tuple[WayLeg, ...]:
