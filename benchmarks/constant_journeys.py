@@ -111,13 +111,13 @@ def tried(trials: list[JourneyTrial], other_numbers: int) -> dict[str, Any]:
     drivers = [_Driver(free, kind, start, goal, rng) for kind, start, goal in trial.ends]
     for driver in drivers:
         driver.drive()
-    there = [each for each in drivers if each.arrived and each.kind != "curve"]
-    off = [each.pose.distance_to(each.goal) for each in there]
-    turned = [abs(math.remainder(each.pose.theta - each.goal.theta, math.tau)) for each in there]
+    arrived = [each for each in drivers if each.arrived and each.kind != "curve"]
+    distances = [each.pose.distance_to(each.goal) for each in arrived]
+    turned = [abs(math.remainder(each.pose.theta - each.goal.theta, math.tau)) for each in arrived]
     clearance = free.settings.clearance
     return {
-        "journey [s]": float(np.mean([each.stamp for each in there])),
-        "place off [mm]": 1e3 * float(np.mean(off)),
+        "journey [s]": float(np.mean([each.stamp for each in arrived])),
+        "place off [mm]": 1e3 * float(np.mean(distances)),
         "heading off [deg]": math.degrees(float(np.mean(turned))),
         "off its way [mm]": 1e3 * float(np.mean([each.beside for each in drivers])),
         "nearer to walls [mm]": 1e3
@@ -208,8 +208,8 @@ class _Driver:
         plan: Plan | NoWayError = None
         while self._navigator.status.active and self.stamp < longest:
             self.stamp += TICK
-            now = self._sensed()
-            job = self._navigator.job(lambda: self._free, now)
+            sensed = self._sensed()
+            job = self._navigator.job(lambda: self._free, sensed)
             if job is not None:
                 self.plans += 1
                 due = self.stamp + PLANNED_S
@@ -220,7 +220,7 @@ class _Driver:
             elif due and self.stamp >= due:
                 due = 0.0
                 self._navigator.take(plan)
-            self._move(self._navigator.step(now))
+            self._move(self._navigator.step(sensed))
 
     def _sensed(self) -> Sensed:
         if self.stamp >= self._changes_at:
@@ -240,11 +240,12 @@ class _Driver:
             return BLIND
         return UNSURE if self.kind == "unsure" else SURE
 
-    def _move(self, told: Twist2) -> None:
+    def _move(self, command: Twist2) -> None:
         """Turn the wheels as they were told some time ago, as fast as they can."""
-        self._late.append(told)
-        told, before, drive = self._late.popleft(), self._twist, self._drive
-        left, right = told.v - told.omega * TRACK / 2, told.v + told.omega * TRACK / 2
+        self._late.append(command)
+        command, before, drive = self._late.popleft(), self._twist, self._drive
+        side = command.omega * TRACK / 2
+        left, right = command.v - side, command.v + side
         left, right = (0.0 if abs(each) < SLOWEST else each for each in (left, right))
         v, omega = (left + right) / 2, (right - left) / TRACK
         gain = drive.max_acceleration if abs(v) > abs(before.v) else drive.max_deceleration
