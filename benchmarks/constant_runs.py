@@ -20,7 +20,13 @@ from typing import Any
 
 from benchmarks.changed_constant import Constant, change
 
-SHARED = ("robot.localization.", "robot.scanning.", "robot.mapping.", "robot.calibration.")
+SHARED = (
+    "robot.localization.",
+    "robot.navigation.",
+    "robot.scanning.",
+    "robot.mapping.",
+    "robot.calibration.",
+)
 """No constant of these modules changes what their trials record: it is recorded once."""
 RECORDING = ("robot.calibration.drive_log", "robot.calibration.programme")
 """But these decide which pictures are recorded, and how the robot drives."""
@@ -33,6 +39,7 @@ TRIALS = {
     "robot.mapping.": "benchmarks.constant_maps",
     "robot.mapping.graph.": "benchmarks.constant_lasers",
     "robot.mapping.grid.": "benchmarks.constant_lasers",
+    "robot.navigation.": "benchmarks.constant_journeys",
     "robot.scanning.": "benchmarks.constant_scans",
 }
 """What tries the constants of a room, which the longest name that fits tells; ``DRIVES`` tries the

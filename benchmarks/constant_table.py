@@ -41,6 +41,7 @@ NOT_AT_WORK = (
 )
 QUICK_FIRST = (
     "benchmarks.constant_routes",
+    "benchmarks.constant_journeys",
     "benchmarks.constant_lasers",
     "benchmarks.constant_scans",
     "benchmarks.constant_calibrations",

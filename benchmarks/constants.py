@@ -4,7 +4,7 @@
 halved and doubled; ``estimate.ONLY_PLACE=0.9,0.975`` tries these values instead, and ``--few`` only
 a robot's five drives instead of 20. ``track.SHARP+track.NARROW`` changes both together: of most
 constants one learns in this way that they change nothing. Constants of other rooms are tried on
-pictures, maps, calibrations, laps of a laser or routes (``constant_runs.TRIALS``).
+pictures, maps, calibrations, laps of a laser, routes or journeys (``constant_runs.TRIALS``).
 ``--table`` writes ``docs/constants.md`` (``constant_table``).
 
 Each value is tried in a process of its own, which compiles anew what has the constant built in.

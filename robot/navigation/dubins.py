@@ -14,6 +14,7 @@ from robot.compiling import compiled
 from robot.geometry import Array
 
 WORDS = 4
+"""Left or right first, and left or right last, with a straight line between them."""
 
 
 @compiled()

@@ -17,9 +17,11 @@ Costs = NDArray[np.float32]
 Cells = NDArray[np.int64]
 
 DIAGONAL = math.sqrt(2.0)
+"""The way to a neighbour at a corner, in cells."""
 SLACK = 1.01
 """A straight line takes the place of a path if it costs at most this times as much."""
 NO_PATH = np.empty((0, 2), np.int64)
+"""Of no cell."""
 
 
 def search(costs: Costs, start: tuple[int, int], goal: tuple[int, int]) -> Cells:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,6 +37,7 @@ MOVES = 6
 MOST_PLACES = 400_000
 """The search ends after so many, and says that it has found nothing."""
 FRINGE = 1e-6
+"""A robot that stands nearer to a wall than its clearance keeps what it has, less this [m]."""
 
 
 def plan_in_headings(free: FreeSpace, start: Pose2, goal: Pose2) -> tuple[WayLeg, ...]:
@@ -52,16 +54,15 @@ def plan_in_headings(free: FreeSpace, start: Pose2, goal: Pose2) -> tuple[WayLeg
     # Where that does not help, it keeps what room it has.
     room = float(free.room(begin.to_array()[None])[0])
     clearance = min(settings.clearance, room - FRINGE)
-    path = _hybrid(
+    ground = Ground(
         free.distance,
-        np.array([free.origin[0], free.origin[1], free.side]),
+        *(float(free.origin[0]), float(free.origin[1]), float(free.side)),
         np.ascontiguousarray(free.hollow.body),
-        np.array([free.radius, clearance, settings.minimum_turning_radius]),
+        *(float(free.radius), float(clearance), float(settings.minimum_turning_radius)),
         _ways_left(_passages(free), *free.cell(goal.x, goal.y)),
-        settings.resolution,
-        begin.to_array(),
-        goal.to_array(),
+        float(settings.resolution),
     )
+    path = _hybrid(ground, begin.to_array(), goal.to_array())
     if not len(path):
         raise NoWayError(
             "no way was found on which the robot need not turn on the spot; valid is a smaller "
@@ -141,120 +142,157 @@ def _ways_left(costs: NDArray[np.float32], goal_row: int, goal_column: int) -> N
     return left.reshape(height, width)
 
 
-@compiled()
-def _fits(
-    distance: NDArray[np.float32],
-    grid: Array,
-    body: Array,
-    sizes: Array,
-    x: float,
-    y: float,
-    theta: float,
-) -> bool:
-    """Whether the outline keeps its clearance at a pose."""
-    rows, columns = distance.shape
-    radius, clearance = sizes[0], sizes[1]
-    column, row = int((x - grid[0]) / grid[2]), int((y - grid[1]) / grid[2])
-    if x < grid[0] or y < grid[1] or row >= rows or column >= columns:
-        return False
-    if distance[row, column] >= radius + clearance:
-        return True
-    cos, sin = math.cos(theta), math.sin(theta)
-    for point in range(len(body)):
-        px = x + cos * body[point, 0] - sin * body[point, 1]
-        py = y + sin * body[point, 0] + cos * body[point, 1]
-        if px < grid[0] or py < grid[1]:
-            return False
-        column, row = int((px - grid[0]) / grid[2]), int((py - grid[1]) / grid[2])
-        if row >= rows or column >= columns or distance[row, column] < clearance:
-            return False
-    return True
+class Ground(NamedTuple):
+    """Where the outline may be, and what is left to the goal from there."""
+
+    distance: NDArray[np.float32]
+    """(h, w) to walls [m]."""
+    origin_x: float
+    origin_y: float
+    side: float
+    """Of the cells of ``distance`` [m]."""
+    body: Array
+    """(k, 2) points of the robot [m]."""
+    radius: float
+    """Of the robot [m]."""
+    clearance: float
+    bend: float
+    """Smallest radius of its bends [m]."""
+    left: NDArray[np.float32]
+    """(rows, columns) the estimate of what is left from each cell, in cells; inf without a way."""
+    resolution: float
+    """Side of those cells [m]."""
+
+
+class _Tree(NamedTuple):
+    """The places that were reached, and those of them from which it goes on."""
+
+    poses: Array
+    """(n, 4) x, y, theta and the direction in which it was reached."""
+    before: NDArray[np.int64]
+    """(n,) the place before each; -1 of the start."""
+    cost: NDArray[np.float32]
+    """(n,) of the way to each [m]."""
+    keys: NDArray[np.float32]
+    """Of the heap: the cost of the way there and of what is left."""
+    heap: NDArray[np.int32]
+    """Places to go on from."""
+    least: NDArray[np.float32]
+    """(states,) the least cost at which each state was reached."""
+    done: NDArray[np.bool_]
+    """(states,) whether it was gone on from there."""
 
 
 @compiled()
-def _all_fit(
-    distance: NDArray[np.float32], grid: Array, body: Array, sizes: Array, poses: Array
-) -> bool:
-    for place in range(len(poses)):
-        x, y, theta = poses[place, 0], poses[place, 1], poses[place, 2]
-        if not _fits(distance, grid, body, sizes, x, y, theta):
-            return False
-    return True
-
-
-@compiled()
-def _hybrid(
-    distance: NDArray[np.float32],
-    grid: Array,
-    body: Array,
-    sizes: Array,
-    left: NDArray[np.float32],
-    resolution: float,
-    start: Array,
-    goal: Array,
-) -> Array:
-    """Return the path (n, 4): x, y, theta and direction; (0, 4) if none was found.
-
-    Args:
-        distance: to walls [m].
-        grid: its origin and the side of its cells [m].
-        body: (k, 2) points of the robot [m].
-        sizes: its radius, the clearance and the smallest radius of its bends [m].
-        left: the estimate of what is left from each cell, in cells.
-        resolution: side of those cells [m].
-        start: (3,) pose.
-        goal: (3,) pose.
-    """
-    bend, stride = sizes[2], STRIDE_CELLS * resolution
-    height, width = left.shape[0] // CELL + 1, left.shape[1] // CELL + 1
-    states = height * width * HEADINGS
-    way = np.full(states, np.inf, np.float32)
-    done = np.zeros(states, np.bool_)
-    poses = np.empty((MOST_PLACES, 4))
-    before = np.full(MOST_PLACES, -1, np.int64)
-    cost = np.empty(MOST_PLACES, np.float32)
-    keys = np.empty(MOST_PLACES + 8, np.float32)
-    heap = np.empty(MOST_PLACES + 8, np.int32)
-    poses[0, 0], poses[0, 1], poses[0, 2], poses[0, 3] = start[0], start[1], start[2], 0.0
-    cost[0], count, size, popped = 0.0, 1, 1, 0
-    keys[0], heap[0] = 0.0, 0
-    while size > 0:
-        node = heap[0]
-        size -= 1
-        _sift_down(keys, heap, size)
-        x, y, theta, direction = poses[node]
-        state = _state(grid, resolution, x, y, theta, height, width)
-        if state < 0 or done[state]:
+def _hybrid(ground: Ground, start: Array, goal: Array) -> Array:
+    """Return the path (n, 4) between poses: x, y, theta and direction; (0, 4) if none was found."""
+    tree = _planted(ground, start)
+    reached, waiting, tried = 1, 1, 0
+    while waiting > 0:
+        node = tree.heap[0]
+        waiting -= 1
+        _sift_down(tree.keys, tree.heap, waiting)
+        x, y, theta, _ = tree.poses[node]
+        state = _state(ground, x, y, theta)
+        if state < 0 or tree.done[state]:
             continue
-        done[state] = True
-        popped += 1
-        if popped % SHOT_EVERY == 1:
-            path = _shot(distance, grid, body, sizes, poses, before, node, goal)
+        tree.done[state] = True
+        tried += 1
+        if tried % SHOT_EVERY == 1:
+            path = _shot(ground, tree, node, goal)
             if len(path) > 0:
                 return path
-        for move in range(MOVES):
-            to_x, to_y, to_theta, half_x, half_y, half_theta = _moved(
-                x, y, theta, move, stride, bend
-            )
-            to_state = _state(grid, resolution, to_x, to_y, to_theta, height, width)
-            if to_state < 0 or done[to_state] or count >= MOST_PLACES:
-                continue
-            near = _left_at(left, grid, resolution, to_x, to_y)
-            new = np.float32(cost[node] + _price(move, direction, stride))
-            if (
-                not math.isfinite(near) or new >= way[to_state]
-                or not _fits(distance, grid, body, sizes, to_x, to_y, to_theta)
-                or not _fits(distance, grid, body, sizes, half_x, half_y, half_theta)
-            ):  # fmt: skip
-                continue
-            way[to_state] = new
-            poses[count, 0], poses[count, 1] = to_x, to_y
-            poses[count, 2], poses[count, 3] = to_theta, _side(move)
-            before[count], cost[count] = node, new
-            _sift_up(keys, heap, size, float(new + np.float32(near * resolution)), count)
-            size += 1
-            count += 1
+        new = _grow(ground, tree, node, reached, waiting)
+        reached, waiting = reached + new, waiting + new
     return np.empty((0, 4))
+
+
+@compiled()
+def _planted(ground: Ground, start: Array) -> _Tree:
+    """Return a tree of one place, the start."""
+    rows, columns = _state_shape(ground)
+    states = rows * columns * HEADINGS
+    tree = _Tree(
+        np.empty((MOST_PLACES, 4)),
+        np.full(MOST_PLACES, -1, np.int64),
+        np.empty(MOST_PLACES, np.float32),
+        np.empty(MOST_PLACES + 8, np.float32),
+        np.empty(MOST_PLACES + 8, np.int32),
+        np.full(states, np.inf, np.float32),
+        np.zeros(states, np.bool_),
+    )
+    for axis in range(3):
+        tree.poses[0, axis] = start[axis]
+    tree.poses[0, 3] = tree.cost[0] = 0.0
+    tree.keys[0], tree.heap[0] = 0.0, 0
+    return tree
+
+
+@compiled()
+def _grow(ground: Ground, tree: _Tree, node: int, reached: int, waiting: int) -> int:
+    """Add each step from a node that fits and comes to its state at less cost; return how many.
+
+    Args:
+        reached: how many places the tree has.
+        waiting: how many of them its heap has.
+    """
+    x, y, theta, direction = tree.poses[node]
+    stride, new = STRIDE_CELLS * ground.resolution, 0
+    for move in range(MOVES):
+        pose, half = _moved(x, y, theta, move, stride, ground.bend)
+        state = _state(ground, *pose)
+        if state < 0 or tree.done[state] or reached + new >= MOST_PLACES:
+            continue
+        left = _left_at(ground, pose[0], pose[1])
+        cost = np.float32(tree.cost[node] + _price(move, direction, stride))
+        if not math.isfinite(left) or cost >= tree.least[state]:
+            continue
+        if not (_fits(ground, *pose) and _fits(ground, *half)):
+            continue
+        place = reached + new
+        tree.least[state] = tree.cost[place] = cost
+        tree.before[place] = node
+        tree.poses[place, 0], tree.poses[place, 1], tree.poses[place, 2] = pose
+        tree.poses[place, 3] = _side(move)
+        key = float(cost + np.float32(left * ground.resolution))
+        _sift_up(tree.keys, tree.heap, waiting + new, key, place)
+        new += 1
+    return new
+
+
+@compiled()
+def _fits(ground: Ground, x: float, y: float, theta: float) -> bool:
+    """Whether the outline keeps its clearance at a pose."""
+    near = _distance_at(ground, x, y)
+    if near < 0:
+        return False
+    if near >= ground.radius + ground.clearance:
+        return True
+    cos, sin = math.cos(theta), math.sin(theta)
+    for point in range(len(ground.body)):
+        px = x + cos * ground.body[point, 0] - sin * ground.body[point, 1]
+        py = y + sin * ground.body[point, 0] + cos * ground.body[point, 1]
+        if _distance_at(ground, px, py) < max(ground.clearance, 0.0):
+            return False
+    return True
+
+
+@compiled()
+def _distance_at(ground: Ground, x: float, y: float) -> float:
+    """Return the distance to walls at a place [m]; -1 outside of all cells."""
+    rows, columns = ground.distance.shape
+    if x < ground.origin_x or y < ground.origin_y:
+        return -1.0
+    row, column = int((y - ground.origin_y) / ground.side), int((x - ground.origin_x) / ground.side)
+    return ground.distance[row, column] if row < rows and column < columns else -1.0
+
+
+@compiled()
+def _all_fit(ground: Ground, poses: Array) -> bool:
+    for place in range(len(poses)):
+        if not _fits(ground, poses[place, 0], poses[place, 1], poses[place, 2]):
+            return False
+    return True
 
 
 @compiled()
@@ -266,7 +304,7 @@ def _side(move: int) -> float:
 @compiled()
 def _moved(
     x: float, y: float, theta: float, move: int, stride: float, bend: float
-) -> tuple[float, float, float, float, float, float]:
+) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
     """Return the pose after a step, and the one about half of it: right, straight or left."""
     ahead, bends, turn = _side(move), float(move % 3 - 1), stride / bend
     angle = ahead * bends * turn
@@ -275,7 +313,7 @@ def _moved(
     to_y = y + ahead * chord * math.sin(theta + angle / 2)
     half = ahead * chord / 2
     half_x, half_y = x + half * math.cos(theta), y + half * math.sin(theta)
-    return to_x, to_y, theta + angle, half_x, half_y, theta + angle / 2
+    return (to_x, to_y, theta + angle), (half_x, half_y, theta + angle / 2)
 
 
 @compiled()
@@ -287,52 +325,48 @@ def _price(move: int, direction: float, stride: float) -> float:
 
 
 @compiled()
-def _left_at(
-    left: NDArray[np.float32], grid: Array, resolution: float, x: float, y: float
-) -> float:
+def _left_at(ground: Ground, x: float, y: float) -> float:
     """Return the estimate of what is left at a place, in cells; inf without a way."""
-    row, column = int((y - grid[1]) / resolution), int((x - grid[0]) / resolution)
-    if not (0 <= row < left.shape[0] and 0 <= column < left.shape[1]):
+    row = int((y - ground.origin_y) / ground.resolution)
+    column = int((x - ground.origin_x) / ground.resolution)
+    if not (0 <= row < ground.left.shape[0] and 0 <= column < ground.left.shape[1]):
         return float(np.inf)
-    return float(left[row, column])
+    return float(ground.left[row, column])
 
 
 @compiled()
-def _shot(
-    distance: NDArray[np.float32],
-    grid: Array,
-    body: Array,
-    sizes: Array,
-    poses: Array,
-    before: NDArray[np.int64],
-    node: int,
-    goal: Array,
-) -> Array:
+def _shot(ground: Ground, tree: _Tree, node: int, goal: Array) -> Array:
     """Return the path to a node and on by the shortest arcs to the goal; (0, 4) if none is free."""
-    bend, middle = sizes[2], np.empty(3)
-    x, y, theta, direction = poses[node]
+    middle = np.empty(3)
+    x, y, theta, direction = tree.poses[node]
     # Ahead by arcs, or backwards by those of the poses turned about.
     for shot in range(2 if direction < 0 else 1):
         side = math.pi * shot
         middle[0], middle[1], middle[2] = x, y, theta + side
         end = np.array([goal[0], goal[1], goal[2] + side])
-        shown = along_arcs(middle, shortest_arcs(middle, end, bend), bend, STEP)
+        shown = along_arcs(middle, shortest_arcs(middle, end, ground.bend), ground.bend, STEP)
         shown[:, 2] -= side
-        if _all_fit(distance, grid, body, sizes, shown):
-            return _joined(poses, before, node, shown, 1.0 - 2.0 * shot)
+        if _all_fit(ground, shown):
+            return _joined(tree.poses, tree.before, node, shown, 1.0 - 2.0 * shot)
     return np.empty((0, 4))
 
 
 @compiled()
-def _state(
-    grid: Array, resolution: float, x: float, y: float, theta: float, height: int, width: int
-) -> int:
-    column = int(math.floor((x - grid[0]) / resolution / CELL))
-    row = int(math.floor((y - grid[1]) / resolution / CELL))
-    if not (0 <= row < height and 0 <= column < width):
+def _state(ground: Ground, x: float, y: float, theta: float) -> int:
+    """Return the number of the place and heading that a pose counts as; -1 beyond all."""
+    rows, columns = _state_shape(ground)
+    column = int(math.floor((x - ground.origin_x) / ground.resolution / CELL))
+    row = int(math.floor((y - ground.origin_y) / ground.resolution / CELL))
+    if not (0 <= row < rows and 0 <= column < columns):
         return -1
     heading = int(math.floor(theta / (2 * math.pi) * HEADINGS + 0.5)) % HEADINGS
-    return (row * width + column) * HEADINGS + heading
+    return (row * columns + column) * HEADINGS + heading
+
+
+@compiled()
+def _state_shape(ground: Ground) -> tuple[int, int]:
+    """Return how many rows and columns of places are told apart."""
+    return ground.left.shape[0] // CELL + 1, ground.left.shape[1] // CELL + 1
 
 
 @compiled()

@@ -54,11 +54,13 @@ TURNS = (0.1, 0.2, 0.35, 0.5, 0.75, 1.0, 1.3, 1.6, 2.0, 2.4)
 AHEAD, BACK = (0.02, 0.04, 0.07, 0.1, 0.15, 0.2, 0.3, 0.4), (0.02, 0.04, 0.07, 0.1, 0.15)
 """Straight ways that are compared [m]."""
 FIRST = (0.05, 0.1, 0.2, 0.3, -0.05, -0.1)
+"""Straight ways after which turns are compared [m]."""
 FIRST_TURNS = (0.5, 1.0, 1.6, 2.4, -0.5, -1.0, -1.6, -2.4)
-"""Straight ways after which turns are compared [m], and turns after which ways ahead are [rad]."""
+"""Turns after which straight ways ahead are compared [rad]."""
 TURN_STEP, STEP = 0.05, 0.01
 """The outline is compared with walls so often on a move [rad, m]."""
 SEES_RAD, SEES_RAYS = 0.5, 13
+"""How far to each side it is expected to see [rad], and by how many rays."""
 SEES_M = (0.16, 0.7)
 """What a robot is expected to see ahead of it: the middle of its camera's view [m]."""
 FLOOR_M, FLOOR_CELL_M = 0.9, 0.01

@@ -12,6 +12,7 @@ from robot.navigation.legs import WayLeg
 from robot.navigation.planning import NoWayError, Planner, plan, plan_by_corners
 
 PATIENCE_S = 0.06
+"""A way of a planner that is not said otherwise is driven so long after it was asked for [s]."""
 
 
 @dataclass(frozen=True)

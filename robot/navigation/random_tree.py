@@ -25,6 +25,7 @@ NEAR_M = 0.3
 APART = 0.005
 """A branch is looked at in points so far from each other [m]."""
 SEED = 0
+"""Of the places that are drawn: equal journeys have equal ways."""
 
 
 def random_corners(free: FreeSpace, begin: Pose2, end: Pose2) -> Array:

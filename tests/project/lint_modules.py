@@ -26,9 +26,11 @@ DECIDING = (
     "robot/driving/",
     "robot/localization/",
     "robot/mapping/",
+    "robot/navigation/",
     "robot/scanning/",
     "sim/",
     "app/engine/",
+    "app/features/navigation/",
 )
 """Rooms whose numbers decide behaviour."""
 PROTOCOL = ("sim/hat/", "sim/hat_emulator/")

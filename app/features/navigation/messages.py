@@ -8,9 +8,10 @@ from pydantic import ConfigDict, Field
 
 from app.messages.message import CommandMessage, Message, Metres, Radians
 
-MOST_GOALS = 1000
-MOST_POINTS = 1000
+MOST_GOALS, MOST_POINTS = 1000, 1000
+"""Of one journey, and of one curve."""
 MOST_ZONES, MOST_CORNERS = 100, 200
+"""Keep-out zones, and the corners of each."""
 Point = Annotated[tuple[Metres, Metres], Field(strict=False)]
 """x, y [m] in the map, as an array of JSON or a tuple."""
 PolygonMessage = Annotated[list[Point], Field(min_length=3, max_length=MOST_CORNERS)]
