@@ -30,6 +30,7 @@ SLIPS: list[tuple[str, int, list[tuple[str, str]]]] = [
     ("not-written", 7, [("    best = poses", "    raise NotImplementedError\n    best = poses")]),
     ("ratio", 8, [("max(0.0, 1 - memory.fast / memory.slow)", "abs(1 - memory.fast / memory.slow)")]),
     ("all-new", 8, [("rng.random(len(poses)) < share", "np.full(len(poses), rng.random() < share)")]),
+    ("slip-range", 8, [("    new = rng.random(len(poses)) < share\n", "    new = np.zeros(len(poses), bool)\n    for i in range(1, len(poses)):\n        new[i] = rng.random() < share\n")]),
     ("one-place", 8, [("anywhere(int(new.sum()))", "anywhere(1)")]),
     ("slip-sign", 1, [("(right - left) / track", "(left - right) / -track"), ("pose[1] + way", "pose[1] - way")]),
     ("turn-lost", 1, [("(pose[2] + turn + math.pi)", "(pose[2] + math.pi)")]),

@@ -37,6 +37,7 @@ FITS = (
     ("worse", "The fit falls from 0.8 to 0.2.", 0.2, 0.8, 0.8),
     ("worse", "The fit has been low for a while: 0.1.", 0.1, 0.7, 0.25),
     ("worse", "The fit falls to nothing.", 0.0, 0.9, 0.9),
+    ("gone", "The fit has been next to nothing for long.", 1e-12, 0.8, 1e-12),
     ("better", "The fit rises from 0.3 to 0.9.", 0.9, 0.3, 0.35),
 )
 """Fit, and the memories before: slow, fast."""
@@ -81,7 +82,7 @@ def _call(fit: tuple[str, str, float, float, float], seed: int) -> Case:
     words = Words("{text} {count} particles.", {"text": Words(text), "count": COUNT})
     share = LIKELY * math.sqrt(0.25 / COUNT)
     # Where none is due a single new one is a sign, see below.
-    tolerance = np.array([share, 1e-9, 1e-9, 3 * share, 0.5])
+    tolerance = np.array([share, 1e-9, 1e-9, 3 * share, 0.5, 0.5])
     fit_slow_fast = (memory[0], memory[1], memory[2])
     return _asked(words, kind, fit_slow_fast, COUNT, (seed,), tolerance)
 
@@ -147,7 +148,9 @@ def _memory(after: Sequence[object]) -> SimpleNamespace:
 
 
 def features(outcome: Outcome) -> Array:
-    """Share of new particles, both memories, where the new ones are, how many are lost."""
+    """Share of new particles, both memories, where the new ones are, how many are lost, and whether
+    all are new: where all are due, a single one that stays shows.
+    """
     case = outcome.case
     if case.kind == "carried":
         return np.array([outcome.result])
@@ -157,7 +160,7 @@ def features(outcome: Outcome) -> Array:
     place = np.flatnonzero(new).mean() / len(new) if new.any() else 0.5
     lost = (~new & (np.abs(given - case.arguments[0]).max(axis=1) > 1e-9)).sum()
     lost += (new & (np.abs(given[:, 1:] - NEW_POSE).max(axis=1) > 1e-9)).sum()
-    return np.array([new.mean(), memory.slow, memory.fast, place, lost])
+    return np.array([new.mean(), memory.slow, memory.fast, place, lost, float(new.all())])
 
 
 def expected(case: Case, mistakes: frozenset[str]) -> Array:
@@ -188,7 +191,7 @@ def expected(case: Case, mistakes: frozenset[str]) -> Array:
         place = share / 2
     if "last-ones" in mistakes and share > 0:
         place = 1 - share / 2
-    return np.array([share, *kept, place, 0.0])
+    return np.array([share, *kept, place, 0.0, float(share > 1 - 1e-9)])
 
 
 def _kept_wrongly(
@@ -224,7 +227,7 @@ def _otherwise(
         "upside-down": 1 - share,
         "difference": slow - fast,
         "half": share / 2,
-        "newest": 1 - fit / slow,
+        "newest": 1 - fit / slow if slow else 0.0,
         "all-if-any": float(share > 0),
     }
     return next((rule for name, rule in rules.items() if name in mistakes), share)
@@ -257,7 +260,7 @@ def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
         swapped = all(_remembers(item, frozenset(["rates-swapped"])) for item in memories)
         yield Sign("rates" if swapped else "memory", wrong[0])
         return
-    fine = [item for item in memories if item.case.kind != "worse"]
+    fine = [item for item in memories if item.case.kind in ("steady", "better")]
     yield from (Sign("ratio", item) for item in fine if features(item)[0] > 0)
     yield from _shares(worse)
 
@@ -282,7 +285,9 @@ def show(case: Case, values: Array) -> str:
     """Return the share of new particles and the memories in words."""
     if case.kind == "carried":
         return f"{round(RUNS * values[0])}/{RUNS}"
-    return f"{100 * values[0]:.0f} %, slow {values[1]:.3f}, fast {values[2]:.3f}"
+    nearly_all = 0.995 <= values[0] < 1.0
+    share = f"{100 * values[0]:.{2 if nearly_all else 0}f} %"
+    return f"{share}, slow {values[1]:.3f}, fast {values[2]:.3f}"
 
 
 def picture(outcome: Outcome, due: Array, given: Array) -> str:

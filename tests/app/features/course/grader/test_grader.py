@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+from itertools import combinations
 from xml.etree import ElementTree
 
+import numpy as np
 import pytest
 from course.correct import CORRECT
 from course.mistakes import CODES, WRITINGS, pairs, written
@@ -29,6 +31,23 @@ def test_all_causes_that_lessons_name_have_words():
     assert named <= set(CAUSES)
     assert set(CODES) <= set(CAUSES)
     assert len(CODES) == 22
+
+
+@pytest.mark.parametrize(
+    "number",
+    [pytest.param(n, marks=pytest.mark.slow) if n == 4 else n for n in range(1, 11)],
+)
+def test_what_each_two_mistakes_give_in_each_case_can_be_said(number):
+    """A student's program may be anything, so that any mistakes may have to explain any case."""
+    checks = lesson_of(number).checks
+    cases = checks.cases(1)
+    thoughts = [(one,) for one in checks.hypotheses]
+    if number == 8:  # where one mistake's numbers are another's
+        thoughts += combinations(checks.hypotheses, 2)
+    for thought in thoughts:
+        for case in cases:
+            given = checks.expected(case, frozenset(one.mistake for one in thought))
+            assert np.asarray(given).ndim >= 1
 
 
 @pytest.mark.slow
