@@ -286,8 +286,8 @@ def show(case: Case, values: Array) -> str:
     if case.kind == "carried":
         return f"{round(RUNS * values[0])}/{RUNS}"
     nearly_all = 0.995 <= values[0] < 1.0
-    share = f"{100 * values[0]:.{2 if nearly_all else 0}f} %"
-    return f"{share}, slow {values[1]:.3f}, fast {values[2]:.3f}"
+    share = f"{100 * values[0]:.{2 if nearly_all else 0}f}"
+    return f"{share} %, slow {values[1]:.3f}, fast {values[2]:.3f}"
 
 
 def picture(outcome: Outcome, due: Array, given: Array) -> str:
