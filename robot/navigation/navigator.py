@@ -105,6 +105,8 @@ class Navigator:
             job: Job | None = self._lookout.job(tick)
         elif self.status.state != "planning" or tick.pose is None or not tick.stands:
             return None
+        elif tick.integrity.state not in KNOWN:
+            return None  # from a wrong place there may be no way: first it looks around
         elif self._curve is not None:
             job = self._curve_job(self._curve, free, tick.pose)
         else:

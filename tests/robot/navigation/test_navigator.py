@@ -150,6 +150,17 @@ def test_without_a_place_it_looks_around_then_stands_and_drives_on_when_it_knows
     assert robot.pose.distance_to(Pose2(0.3, 0.2)) <= SETTINGS.xy_goal_tolerance
 
 
+@pytest.mark.parametrize("state", [State.LOST, State.SEARCHING, State.AMBIGUOUS])
+def test_a_goal_that_no_way_leads_to_from_a_wrong_place_is_not_given_up(state):
+    robot = Ideal(Goal(0.3, 0.2, 2.0))
+    robot.pose, robot.believed = Pose2(0.75, 0.0), Integrity(state)  # beyond the tape
+    robot.go(2.0)
+    assert robot.status.state == "waiting"
+    robot.pose, robot.believed = Pose2(), SURE
+    robot.go(60)
+    assert robot.status.state == "arrived"
+
+
 def test_it_looks_around_a_number_of_times_and_then_waits():
     robot = Ideal(Goal(0.3, 0.2, 2.0))
     robot.told = (0.1, -0.1) * 50
