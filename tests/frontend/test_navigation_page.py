@@ -158,5 +158,5 @@ def test_a_program_sends_its_goal_once(server):
         goal = {"x": 0.0, "y": 0.0, "theta": 0.0}
         assert ask(socket, type="navigate", poses=[goal])["type"] == "ack"
         # A tick from before may still tell how the last journey ended.
-        until(socket, lambda now: now["navigation"]["state"] == "driving")
-        until(socket, lambda now: now["navigation"]["state"] == "arrived")
+        until(socket, lambda now: (now["navigation"] or {}).get("state") == "driving")
+        until(socket, lambda now: (now["navigation"] or {}).get("state") == "arrived")
