@@ -146,7 +146,6 @@ class PictureOdometer:
         self._rows_per_px = -np.gradient(self.ground.rows)
         self._unit = np.array([1.0, 1.0, self.ground.resolution / ARM_M])
         """What makes a motion's turn a way [px]."""
-        self._scratch = np.empty(self.ground.shape, dtype=np.float32)
         self._before: tuple[float, Patch] | None = None
         self._last = np.zeros(4)
         """The last motion of the patch, by second."""
@@ -204,6 +203,8 @@ class PictureOdometer:
         guess = self._of_patch(predicted)
         patches = before[1], after[1]
         fit = self._fit(patches, self._nearest(patches, skew, guess, seconds), guess, skew)
+        if not self._textured:
+            return self._result(fit, before[0], after[0], predicted)  # no search finds more
         if fit.alike < LEAST_ALIKE:
             other = self._fit(patches, self._searched(patches), guess, skew)
             fit = other if other.alike > fit.alike else fit
@@ -219,13 +220,13 @@ class PictureOdometer:
     ) -> Array:
         """Return where to begin: what was predicted, that nothing moves, or the last motion."""
         begins = guess, np.zeros(4), self._last * seconds
-        alike = [similarity(*patches, begin, skew, self._variance, 3) for begin in begins]
+        alike = [self._alike(patches, begin, skew) for begin in begins]
         return begins[int(np.argmax(alike))]
 
     def _raised(self, patches: tuple[Patch, Patch], guess: Array, skew: Array) -> _Fit:
         """Return the best fit of a floor that is nearer or farther: the robot is in the air."""
         begins = [guess + np.array([*(-share * self._arm), 0.0, share]) for share in RAISED]
-        alike = [similarity(*patches, begin, skew, self._variance, 3) for begin in begins]
+        alike = [self._alike(patches, begin, skew) for begin in begins]
         motion = begins[int(np.argmax(alike))].copy()
         for _ in range(ROUNDS[0][1]):
             self._sum(patches, motion, skew)
@@ -324,11 +325,15 @@ class PictureOdometer:
         moved = self._settings.scale_error * np.array([motion.x, motion.y, motion.theta])
         covariance = covariance + np.diag(np.square(moved)) + np.diag([1e-10, 1e-10, 1e-9])
         larger, larger_sd = self._growth(fit)
-        textured = self._contrast > CLEAR * NOISE_LEFT * self._noise**2
         return PictureMotion(
             begin, end, motion, covariance, seen, fit.alike, predicted,
-            larger, larger_sd, textured,
+            larger, larger_sd, self._textured,
         )  # fmt: skip
+
+    @property
+    def _textured(self) -> bool:
+        """Whether each of the last two patches has something to compare."""
+        return self._contrast > CLEAR * NOISE_LEFT * self._noise**2
 
     def _growth(self, fit: _Fit) -> tuple[float, float]:
         """Return by which share the floor looks larger than before, and its sd."""
