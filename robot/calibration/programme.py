@@ -45,20 +45,21 @@ ENDS = tuple(accumulate(duration for duration, _, _ in PARTS))
 
 def velocity(elapsed: float) -> Twist2:
     """Return the robot's velocity at a time after the start [s]."""
-    begin, (duration, v, omega) = _part(elapsed)
-    within = elapsed - begin
-    part = min(1.0, within / RAMP_S, (duration - within) / RAMP_S)
+    begin, end, (_, v, omega) = _part(elapsed)
+    part = max(0.0, min(1.0, (elapsed - begin) / RAMP_S, (end - elapsed) / RAMP_S))
     return Twist2(part * v, part * omega)
 
 
 def rest_after(elapsed: float) -> float:
-    """Return when the robot stands next, between two parts [s]."""
-    begin, (duration, _, _) = _part(elapsed)
-    return begin + duration
+    """Return when the robot stands next, between two parts [s]: always later."""
+    _, end, _ = _part(elapsed)
+    return end
 
 
-def _part(elapsed: float) -> tuple[float, tuple[float, float, float]]:
-    """Return when the part of a time began [s], and the part."""
+def _part(elapsed: float) -> tuple[float, float, tuple[float, float, float]]:
+    """Return when the part of a time began, when it ends [s], and the part."""
     cycle = math.floor(elapsed / ENDS[-1]) * ENDS[-1]
-    place = min(bisect_right(ENDS, elapsed - cycle), len(PARTS) - 1)
-    return cycle + (0.0, *ENDS)[place], PARTS[place]
+    # Times are compared as they are added: otherwise one that is rounded ends where it began.
+    bounds = [cycle, *(cycle + end for end in ENDS), cycle + ENDS[-1] + ENDS[0]]
+    place = bisect_right(bounds, elapsed) - 1
+    return bounds[place], bounds[place + 1], PARTS[place % len(PARTS)]

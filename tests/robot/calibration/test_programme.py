@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from robot.calibration.programme import LONGEST_S, rest_after, velocity
@@ -12,6 +12,9 @@ STEP = 0.01
 
 
 @given(st.floats(0.0, LONGEST_S))
+@example(45.0)
+@example(54.8)
+@example(99.8)
 def test_between_two_parts_the_robot_stands(elapsed: float) -> None:
     rest = rest_after(elapsed)
     assert elapsed < rest <= elapsed + 6.0
