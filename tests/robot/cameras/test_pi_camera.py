@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from camera_sources import READOUT, AtRest, lens, picture, until
 from fake_picamera2 import IMX219_MODES, WHOLE, PiRibbon, mode
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from robot.cameras.camera import PictureError, middle_of_exposure, on_monotonic, suspend_time
@@ -57,10 +57,11 @@ def test_without_an_exposure_time_the_setting_counts():
 
 @given(
     now=st.floats(10, 1e6),
-    age=st.floats(0, 0.9),
+    age=st.floats(1e-6, 0.9),  # of no age, it may be of the future by rounding
     asleep=st.sampled_from([0.0, 5.0, 3600.0, 1e5]),
     boottime=st.booleans(),
 )
+@example(now=10.8, age=1e-6, asleep=3600.0, boottime=True)
 def test_either_clock_is_told_from_the_other(now, age, asleep, boottime):
     stamp = now - age + (asleep if boottime else 0.0)
     assert on_monotonic(stamp, now, asleep) == pytest.approx(now - age, abs=1e-6)
