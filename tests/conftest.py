@@ -9,6 +9,7 @@ from contextlib import closing, nullcontext
 from functools import partial
 
 import pytest
+import same_examples
 import warm_start
 from hypothesis import settings
 
@@ -17,6 +18,7 @@ import app  # noqa: F401 - so the robot's rooms find what features add, in whate
 # The machine may be busy: a slow example is no fault.
 settings.register_profile("brickpose", deadline=None, derandomize=True)
 settings.load_profile("brickpose")
+same_examples.be_the_same()
 
 LONGEST = (
     "test_failures_by_seed.py",
@@ -42,6 +44,12 @@ LONGEST = (
 def pytest_collection_modifyitems(items):
     place = {name: number for number, name in enumerate(LONGEST)}
     items.sort(key=lambda item: place.get(item.path.name, len(LONGEST)))
+
+
+@pytest.fixture(autouse=True, scope="module")
+def examples_of_this_file(request):
+    """What hypothesis tries does not depend on the tests before."""
+    same_examples.tell(request.module)
 
 
 @pytest.fixture(autouse=True, scope="session")
