@@ -34,6 +34,9 @@ WORDS = {
         "Bestanden.",
     ),
 }
+PRESSED = "en-GB"
+"""The language in which each button of the texts is pressed: each language has the same commands in
+the same places, see ``test_a_lesson_says_the_same_in_each_language``."""
 
 
 @pytest.mark.parametrize("language", WORDS)
@@ -49,14 +52,16 @@ def test_all_lessons_one_after_the_other(browser, tmp_path, language):
         page.route("**/view/**", lambda route: route.fulfill(body="<p>no 3D here</p>"))
         page.goto(f"{address}/learn/1")
         for lesson in lessons():
-            _learn(page, lesson, asked, WORDS[language])
+            _learn(page, lesson, asked, WORDS[language], pressed=language == PRESSED)
             if lesson.number < len(lessons()):
                 page.locator("#next-link").click()
         assert not complaints
         context.close()
 
 
-def _learn(page: Page, lesson: Lesson, asked: Asked, words: tuple[str, ...]) -> None:
+def _learn(
+    page: Page, lesson: Lesson, asked: Asked, words: tuple[str, ...], *, pressed: bool
+) -> None:
     """Predict, press what is to be pressed, write the solution, and see that it passes."""
     keep, write, save, unbegun, passed = words
     expect(page.locator("#title")).to_have_text(re.compile(rf"^{lesson.number}\. "))
@@ -64,7 +69,8 @@ def _learn(page: Page, lesson: Lesson, asked: Asked, words: tuple[str, ...]) -> 
     page.get_by_role("button", name=keep).click()
     expect(page.locator("#state")).to_have_text(unbegun)
     watch, *others = page.locator("#sections section").all()
-    _press_all(page, watch, asked)
+    if pressed:
+        _press_all(page, watch, asked)
     page.get_by_text(write, exact=True).click()
     code = page.get_by_label(re.compile("^(Your file|Deine Datei)$"))
     expect(code).to_have_value(re.compile(rf"def {lesson.checks.functions[0]}\("))
@@ -73,7 +79,7 @@ def _learn(page: Page, lesson: Lesson, asked: Asked, words: tuple[str, ...]) -> 
     expect(page.locator("#state")).to_contain_text(passed)
     expect(page.locator("#findings li")).to_have_count(0)
     expect(page.locator("#lessons [aria-current]")).to_have_text(f"{lesson.number} ✓")
-    for section in others:  # the robot may use what was written
+    for section in others if pressed else ():  # the robot may use what was written
         _press_all(page, section, asked)
     assert asked.refused == [], lesson.number
 
