@@ -15,7 +15,7 @@ LOADED = 918_273_645
 def tried() -> set[int]:
     seen = set()
 
-    @settings(max_examples=1000, database=None)
+    @settings(max_examples=300, database=None)
     @given(st.integers(0, 2**30))
     def see(number):
         seen.add(number)
