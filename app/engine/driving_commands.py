@@ -37,13 +37,19 @@ def _check_figure_eight(command: FigureEightCommand, program: Program) -> None:
     # While the place is unknown, nobody can say whether the figure-eight fits.
     if not command.start or latest is None or latest.pose is None or not latest.knows_place:
         return
-    way = latest.pose.apply(program.config.figure_eight.path())
-    beyond = program.field.farthest_outside(way)
-    if beyond > LEFT_M:
+    path, field = program.config.figure_eight.path(), program.field
+    beyond = field.farthest_outside(latest.pose.apply(path))
+    if beyond <= LEFT_M:
+        return
+    if field.farthest_outside(field.start.apply(path)) > LEFT_M:
         raise CommandError(
-            f"from here the figure-eight would leave the field by {1000 * beyond:.0f} mm; drive "
-            "to where it fits, or go back to the start"
+            f"the figure-eight would leave this field by {1000 * beyond:.0f} mm, and from the "
+            "start, too; take a larger field, or drive by hand"
         )
+    raise CommandError(
+        f"from here the figure-eight would leave the field by {1000 * beyond:.0f} mm; drive "
+        "to where it fits, or go back to the start"
+    )
 
 
 def _stop(tick: TickContext[StopCommand]) -> None:
