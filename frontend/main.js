@@ -266,7 +266,7 @@ async function loadPicture(address) {
 function showLink() {
   const state = firstStart.compiling ? "compiling" : connection.state;
   topBar.showLink(state);
-  problems.showLink(state);
+  problems.showLink(state, connection.loads);
 }
 
 appearance.onChange(() => {

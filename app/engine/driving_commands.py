@@ -26,19 +26,24 @@ def _drive(tick: TickContext[DriveCommand]) -> None:
     tick.controls.driving.drive(twist, tick.controls.stamp)
 
 
-def _figure_eight(tick: TickContext[FigureEightCommand]) -> None:
+def _eight(tick: TickContext[FigureEightCommand]) -> None:
     command, controls = tick.command, tick.controls
     controls.driving.figure_eight(controls.stamp, command.speed, start=command.start)
 
 
-def _check_figure_eight(command: FigureEightCommand, program: Program) -> None:
+def _fits(command: FigureEightCommand, program: Program) -> None:
     """Refuse a figure-eight that would leave the field."""
     latest = program.engine.latest.get()
     # While the place is unknown, nobody can say whether the figure-eight fits.
     if not command.start or latest is None or latest.pose is None or not latest.knows_place:
         return
-    way = latest.pose.apply(program.config.figure_eight.path())
-    beyond = program.field.farthest_outside(way)
+    path, field = program.config.figure_eight.path(), program.field
+    beyond = field.farthest_outside(latest.pose.apply(path))
+    if beyond > LEFT_M and field.farthest_outside(field.start.apply(path)) > LEFT_M:
+        raise CommandError(
+            f"the figure-eight would leave this field by {1000 * beyond:.0f} mm, and from the "
+            "start, too; take a larger field, or drive by hand"
+        )
     if beyond > LEFT_M:
         raise CommandError(
             f"from here the figure-eight would leave the field by {1000 * beyond:.0f} mm; drive "
@@ -52,13 +57,7 @@ def _stop(tick: TickContext[StopCommand]) -> None:
 
 COMMANDS = (
     CommandRow(DriveCommand, _drive, allowed=require_drivable, drives=True),
-    CommandRow(
-        FigureEightCommand,
-        _figure_eight,
-        allowed=require_drivable,
-        check=_check_figure_eight,
-        drives=True,
-    ),
+    CommandRow(FigureEightCommand, _eight, allowed=require_drivable, check=_fits, drives=True),
     CommandRow(StopCommand, _stop, urgent=True),
     # Whoever decides who drives takes it, and passes nothing on.
     CommandRow(TakeCommand, allowed=require_drivable),

@@ -32,7 +32,14 @@ export class OwnDrive {
   async begin(start = { start: true }) {
     // These two are answered: the renewals that follow are not.
     if (!(await this.order({ type: "take" }))) return;
-    if (!(await this.order({ ...this.drive.programmed(this.programme), ...start }))) return;
+    // What this page has the robot drive rests: its next renewal would end what begins.
+    const { programme, again } = this.drive;
+    if (programme !== this.programme) this.drive.letGo();
+    if (!(await this.order({ ...this.drive.programmed(this.programme), ...start }))) {
+      if (programme !== null && this.drive.programme === null) this.drive.setProgramme(programme);
+      this.drive.again = again;
+      return;
+    }
     this.#started = performance.now();
     this.#seen = false;
     this.drive.setProgramme(this.programme);

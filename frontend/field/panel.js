@@ -54,7 +54,9 @@ export class FieldPanel {
   /** @param {FieldMessage} field */
   setField(field) {
     this.faults.setField(field);
-    this.#readFaults();
+    // The server has begun anew, with what it knows of fields.
+    if (this.popover.shown) this.#read();
+    else this.#readFaults();
   }
 
   /** @param {string} map */

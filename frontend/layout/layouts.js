@@ -23,7 +23,7 @@ export const READY = {
     column([77, 23], "map", "drive"),
     column([54, 46], row([58, 42], "view", "camera"), row([50, 50], "filter", "plots")),
   ),
-  present: row([60, 40], "map", column([58, 42], "camera", "plots")),
+  present: row([60, 40], "map", column([46, 54], "camera", "plots")),
 };
 
 /** What a window that is not wide begins with. @type {Tree} */

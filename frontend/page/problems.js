@@ -33,6 +33,7 @@ export class Problems {
   #reason = null;
   /** @type {LinkState | "compiling"} */
   #link = "connecting";
+  #loads = false;
   /** @type {string[]} */
   #present = [];
 
@@ -60,9 +61,10 @@ export class Problems {
     if (this.#popover.shown) this.#load();
   }
 
-  /** @param {LinkState | "compiling"} link */
-  showLink(link) {
+  /** @param {LinkState | "compiling"} link @param {boolean} loads whether it is lost for what this page wanted */
+  showLink(link, loads) {
     this.#link = link;
+    this.#loads = loads;
     this.#say();
   }
 
@@ -79,6 +81,7 @@ export class Problems {
 
   /** @returns {string[]} */
   #sentences() {
+    if (this.#link === "lost" && this.#loads) return [t("Loading: the page connects again in a few seconds.")];
     if (this.#link === "lost") {
       return [t("The connection is lost; trying again. The robot stops by itself.")];
     }

@@ -44,6 +44,7 @@ export class Toasts {
     const close = make("button", { type: "button", "aria-label": t("Close this message") }, "×");
     const toast = make("div", { class: `toast ${kind}` }, make("span", {}, text), ...actions, close);
     close.onclick = () => toast.remove();
+    this.list.dataset.side = awayFromDrive();
     this.list.append(toast);
     while (this.list.children.length > MOST) this.list.firstElementChild?.remove();
     return toast;
@@ -53,6 +54,12 @@ export class Toasts {
   fail(error) {
     this.show(sentence(error));
   }
+}
+
+/** At the foot of the page, where no button that drives lies below. @returns {"left" | "right"} */
+function awayFromDrive() {
+  const drive = document.getElementById("drive")?.getBoundingClientRect();
+  return drive && drive.left + drive.right > innerWidth ? "left" : "right";
 }
 
 /** @param {unknown} error @returns {string} its message as a sentence, in the page's language */

@@ -46,7 +46,8 @@ export function drawChart(surface, chart) {
 export function drawInto(context, chart, { top, width, height }) {
   context.font = palette.font;
   const line = palette.fontSize;
-  const ticks = axisScale(chart.y, 0, 1, height / (line * 2.5)).ticks;
+  const most = (height - line * 3.5) / (line * 2);
+  const ticks = axisScale(chart.y, 0, 1, most).ticks;
   const gutter = Math.max(30, ...ticks.map((tick) => context.measureText(brief(tick)).width)) + 14;
   const box = {
     left: gutter,
@@ -55,7 +56,7 @@ export function drawInto(context, chart, { top, width, height }) {
     bottom: top + height - line * 2,
   };
   const x = axisScale(chart.x, box.left, box.right, (box.right - box.left) / (line * 6));
-  const y = axisScale(chart.y, box.bottom, box.top, height / (line * 2.5));
+  const y = axisScale(chart.y, box.bottom, box.top, most);
   drawAxes(context, box, x, y, chart);
   drawGuides(context, box, x, y, chart);
   clip(context, box, () => chart.series.forEach((one) => drawSeries(context, x, y, one)));

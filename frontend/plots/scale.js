@@ -35,11 +35,18 @@ export function axisScale(axis, from, to, most) {
   };
 }
 
-/** Round up to 1, 2 or 5 times a power of ten. @param {number} value above zero */
-export function roundUp(value) {
+/** Of a step; an end may lie between: with 10 after 5, half of a plot would be empty. */
+const STEPS = [1, 2, 5];
+const ENDS = [1, 1.5, 2, 2.5, 3, 4, 5, 6, 8];
+
+/** Round up to 1, 2 or 5 times a power of ten. @param {number} value above zero @param {number[]} to other numbers than these */
+export function roundUp(value, to = STEPS) {
   const decade = 10 ** Math.floor(Math.log10(value));
-  return ([1, 2, 5].find((one) => one * decade >= value * 0.999999) ?? 10) * decade;
+  return (to.find((one) => one * decade >= value * 0.999999) ?? 10) * decade;
 }
+
+/** Round up to the end of an axis. @param {number} value above zero */
+export const roundEnd = (value) => roundUp(value, ENDS);
 
 /**
  * Ticks at round steps; the last tick is at the high end if a step allows it.
@@ -49,7 +56,7 @@ export function roundUp(value) {
  * @returns {number[]}
  */
 function roundTicks(low, high, most) {
-  const wanted = roundUp((high - low || 1) / Math.max(2, most));
+  const wanted = roundUp((high - low || 1) / Math.max(1, most));
   const steps = [wanted, 1.25 * wanted, 2.5 * wanted, 2 * wanted];
   const step = steps.find((one) => Math.abs(high / one - Math.round(high / one)) < 1e-9) ?? wanted;
   const first = Math.ceil(low / step - 1e-9);

@@ -3,7 +3,7 @@ import { t } from "../page/language.js";
 import { palette } from "../page/palette.js";
 import { drawInto } from "./chart.js";
 import { QUANTITIES } from "./quantities.js";
-import { roundUp } from "./scale.js";
+import { roundEnd } from "./scale.js";
 
 /** @typedef {import("./chart.js").Pen} Pen */
 /** @typedef {import("./history.js").History} History */
@@ -71,5 +71,5 @@ function limits(known) {
     if (value > high) high = value;
   }
   if (low === 0 && high === 0) return [0, 1];
-  return [low < 0 ? -roundUp(-low) : 0, high > 0 ? roundUp(high) : 0];
+  return [low < 0 ? -roundEnd(-low) : 0, high > 0 ? roundEnd(high) : 0];
 }

@@ -31,6 +31,8 @@ export class Connection {
   clock = new RobotClock();
   /** @type {LinkState} */
   state = "connecting";
+  /** Whether this page has asked for another field or recording: then the connection breaks, and comes back. */
+  loads = false;
 
   /** @type {WebSocket | null} */
   #socket = null;
@@ -80,8 +82,15 @@ export class Connection {
    */
   send(command) {
     return new Promise((resolve, reject) => {
-      const patience = LOADING.includes(command.type) ? LOADED_MS : ANSWER_MS;
-      if (!this.post(command, { sent: performance.now(), patience, resolve, reject })) {
+      const loads = LOADING.includes(command.type);
+      const refuse = (/** @type {Error} */ error) => {
+        // Else the answer was lost with the connection.
+        if (loads && this.#socket) this.loads = false;
+        reject(error);
+      };
+      if (loads) this.loads = true;
+      const patience = loads ? LOADED_MS : ANSWER_MS;
+      if (!this.post(command, { sent: performance.now(), patience, resolve, reject: refuse })) {
         reject(new CommandError(t("There is no connection to the robot.")));
       }
     });
@@ -191,6 +200,7 @@ export class Connection {
   #enter(state) {
     if (state === this.state) return;
     this.state = state;
+    if (state === "open") this.loads = false;
     for (const listener of this.#stateListeners) listener(state);
   }
 }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -63,9 +64,20 @@ def test_a_field_is_chosen_by_its_picture(page: Page) -> None:
     pressed = page.locator("#field-pictures [aria-pressed=true]")
     expect(pressed).to_have_attribute("data-name", "square")
     assert violations(page, "#field") == []
+    page.evaluate("""() => {
+        window.said = [];
+        const banner = document.querySelector("#banner");
+        const note = () => window.said.push(banner.textContent);
+        const all = { childList: true, characterData: true, subtree: true };
+        new MutationObserver(note).observe(banner, all);
+    }""")
     page.locator("#field-pictures [data-name=stub]").click()
     on_field(page, "stub")
     expect(pressed).to_have_attribute("data-name", "stub")
+    # It was asked for: no loss that frightens a class.
+    said = " ".join(page.evaluate("window.said"))
+    assert "Loading: the page connects again" in said
+    assert "The connection is lost" not in said
 
 
 def test_a_dropped_drawing_is_kept_and_the_robot_is_on_it(page: Page, folder: Path) -> None:
@@ -74,8 +86,19 @@ def test_a_dropped_drawing_is_kept_and_the_robot_is_on_it(page: Page, folder: Pa
     assert (folder / "Mein-Kreis.svg").read_text() == RING
     drop(page, **{"Mein Kreis__svg": RING})
     on_field(page, "Mein-Kreis-2")
-    page.locator("#field-open").click()
+    page.locator("#figure-eight").click()
+    words = "The figure-eight would leave this field by \\d+ mm, and from the start, too"
+    expect(page.locator("#toasts")).to_contain_text(re.compile(words))
+    opener = page.locator("#field-open")
+    opener.click()
     remove = page.get_by_role("button", name="Delete Mein-Kreis-2")
+    kept = remove.element_handle()
+    # What is read again on opening takes no half-done press away.
+    (folder / "later.svg").write_text(RING)
+    opener.click()
+    opener.click()
+    expect(page.locator("#field-pictures [data-name=later]")).to_be_visible()
+    assert kept is not None and kept.evaluate("(one) => one.isConnected")
     # At once: a busy machine takes longer for two presses than the question is open.
     remove.evaluate("(button) => { button.click(); button.click(); }")
     expect(remove).to_have_count(0)

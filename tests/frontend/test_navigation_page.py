@@ -85,12 +85,19 @@ def test_a_zone_is_drawn_refuses_goals_shows_its_costs_and_is_removed(page, serv
     expect(page.locator("#planning")).not_to_contain_text("remove the zone")
 
 
-def test_cancel_ends_the_journey(page, server):
+def test_a_goal_ends_the_figure_eight_of_this_page_and_cancel_ends_the_journey(page, server):
+    page.locator("#figure-eight").click()
+    page.wait_for_function("window.brickpose.telemetry.mode === 'figure_eight'")
     page.get_by_role("button", name="type a pose").click()
     for name, value in (("pose-x", "-300"), ("pose-y", "-250"), ("pose-heading", "0")):
         page.locator(f"#{name}").fill(value)
     page.locator("#numbers-goal").click()
     expect(page.locator("#journey-text")).to_contain_text("left")
+    # A renewal of the figure-eight would have ended it within a tenth of a second.
+    begun = page.evaluate("window.brickpose.telemetry.stamp")
+    page.wait_for_function("(begun) => window.brickpose.telemetry.stamp > begun + 0.5", arg=begun)
+    expect(page.locator("#journey-text")).to_contain_text("left")
+    expect(page.locator("#figure-eight")).to_have_attribute("aria-pressed", "false")
     page.locator("#journey-cancel").click()
     expect(page.locator("#journey-text")).to_contain_text("canceled; somebody canceled it")
     with server.live() as socket:

@@ -47,6 +47,14 @@ def test_on_a_phone_all_targets_are_as_large_as_a_thumb(browser, server):
                     .map(e => `${e.id || e.outerHTML.slice(0, 60)} is too low`)"""
             )
             assert small == [], tab
+            if tab == "Map":
+                more = page.locator("[data-more-of=map]")
+                more.click()
+                expect(more).to_have_text("more")
+                at = [one.bounding_box() for one in (page.locator("[data-tool=ask]"), more)]
+                assert at[0]["y"] == at[1]["y"], "more stands alone"
+        plot = page.locator("#plots-canvas").bounding_box()
+        assert plot["height"] > 100
         # As low as beside a lesson, the field still has room.
         page.set_viewport_size({"width": 390, "height": 640})
         page.get_by_role("tab", name="Map").click()

@@ -59,6 +59,18 @@ def test_values_are_chosen_and_saved_with_their_units(page):
     assert picture.std() > 5
 
 
+def test_axes_end_near_the_largest_value_and_have_room_for_their_numbers(page):
+    ends, tight = page.evaluate(
+        """async () => {
+            const { axisScale, roundEnd } = await import("/static/plots/scale.js");
+            const ends = [0.52, 51, 140, 230, 900].map(roundEnd);
+            return [ends, axisScale({ low: 0, high: 100, label: "" }, 0, 30, 0.8).ticks];
+        }"""
+    )
+    assert ends == pytest.approx([0.6, 60, 150, 250, 1000])
+    assert tight == [0, 100]
+
+
 def test_the_run_is_zoomed_and_kept_over_a_reload(page):
     began = page.evaluate("brickpose.telemetry.stamp")
     page.wait_for_function("began => brickpose.telemetry.stamp > began + 4", arg=began)

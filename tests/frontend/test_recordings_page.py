@@ -1,6 +1,7 @@
 """The list of recordings on the page: open, go back, describe, rename, delete, take in a file."""
 
 import json
+import shutil
 from pathlib import Path
 from urllib.request import urlopen
 
@@ -73,9 +74,18 @@ def test_a_dropped_file_is_taken_in_and_can_be_deleted(page, server, tmp_path):
     expect(page.locator("#toasts")).to_contain_text("gültig ist eine MCAP-Datei")
     assert sorted(names(server)) == sorted([known, "other"])
     remove = page.get_by_role("button", name="other löschen")
-    remove.click()
-    expect(remove).to_have_text("wirklich löschen?")
-    remove.click()
+    # What is listed stays while the list is read again, with a question that is open.
+    kept = remove.element_handle()
+    third = shutil.copy(tmp_path / "other_0.mcap", tmp_path / "third_0.mcap")
+    page.set_input_files("#recordings-file", [third])
+    expect(page.locator("#recordings-items li")).to_have_count(3)
+    assert kept is not None and kept.evaluate("(one) => one.isConnected")
+    for gone in ("other löschen", "third löschen"):
+        remove = page.get_by_role("button", name=gone)
+        remove.click()
+        expect(remove).to_have_text("wirklich löschen?")
+        remove.click()
+        expect(remove).to_have_count(0)
     expect(page.locator("#recordings-items li")).to_have_count(1)
     assert names(server) == [known]
 

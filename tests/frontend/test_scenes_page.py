@@ -49,6 +49,11 @@ def test_a_scene_is_kept_shown_again_and_shared(browser, server) -> None:
         page.wait_for_function("window.brickpose.telemetry.filter.kind === 'particles'")
         expect(page.locator("#drive")).to_be_hidden()
         expect(page.locator("#stage-bar")).to_be_visible()
+        # Numbers of several fields are not taken for a difference of parameters.
+        page.locator("#runs-open").click()
+        expect(page.locator("#runs-body tr").first).to_contain_text("now, on stub")
+        expect(page.locator("#runs-body")).to_contain_text("before, on square")
+        page.keyboard.press("Escape")
         page.reload()
         expect(scene).to_be_visible()
         scene.get_by_role("button", name="Forget kidnapped").click()
@@ -81,6 +86,12 @@ def test_a_projector_has_large_buttons_and_letters(browser, server) -> None:
         )
         assert smallest >= 28
         bar = page.locator("#stage-bar")
+        page.locator("[data-more-of=bar]").click()
+        # All tools in one row, a plot that is one, and no need to scroll for the large buttons.
+        high = "(one) => one.getBoundingClientRect().height"
+        assert page.locator(".bar").evaluate(high) < 3.5 * smallest
+        assert page.locator("#plots-canvas").evaluate(high) > 220
+        assert page.evaluate("document.documentElement.scrollHeight") == 1080
         with server.live() as live:
             bar.get_by_role("button", name="Back to start").click()
             bar.get_by_role("button", name="Figure-eight").click()

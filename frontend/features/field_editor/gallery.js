@@ -1,6 +1,7 @@
 // @ts-check
 import { make } from "../../page/elements.js";
 import { t, translated } from "../../page/language.js";
+import { Rows } from "../../page/rows.js";
 import { getJson, send } from "../../wire/http.js";
 import { fieldsOf, freeName, keepField } from "./kept.js";
 
@@ -22,6 +23,8 @@ export class Gallery {
   /** @param {HTMLElement} list @param {(name: string) => Promise<void>} use @param {Toasts} toasts */
   constructor(list, use, toasts) {
     this.list = list;
+    /** @type {Rows<FieldEntry>} */
+    this.rows = new Rows(list, (field) => this.#row(field));
     this.use = use;
     this.toasts = toasts;
   }
@@ -29,8 +32,9 @@ export class Gallery {
   /** Show the fields that there are. @param {string} now the name of the robot's */
   async read(now) {
     const fields = /** @type {FieldEntry[]} */ (await getJson("api/field_list"));
-    this.#watcher.disconnect();
-    this.list.replaceChildren(...fields.map((field) => this.#row(field)));
+    this.rows.show(fields);
+    // Also those that could not be drawn the last time.
+    for (const picture of this.list.querySelectorAll("img:not([src])")) this.#watcher.observe(picture);
     this.mark(now);
   }
 
@@ -50,7 +54,7 @@ export class Gallery {
     picture.dataset.drawing = String(drawing);
     const choose = make("button", { type: "button", class: "choose", "data-name": name, title: t("Put the robot onto {name}", { name }) }, picture, make("span", {}, name));
     choose.onclick = () => this.use(name);
-    this.#watcher.observe(picture);
+    picture.onerror = () => picture.removeAttribute("src");
     const acts = make("span", { class: "acts" });
     if (drawing) {
       const edit = own ? t("edit") : t("edit a copy");

@@ -2,6 +2,7 @@
 import { find, findButton, findInput, make } from "../../page/elements.js";
 import { t } from "../../page/language.js";
 import { takeFiles } from "../../page/dropped.js";
+import { Rows } from "../../page/rows.js";
 import { Popover } from "../../page/popover.js";
 import { getJson, send } from "../../wire/http.js";
 import { recordingRow } from "./row.js";
@@ -18,6 +19,8 @@ const MOST_ALIKE = 20;
 export class RecordingsPanel {
   #popover = new Popover("recordings", undefined, () => this.#load());
   #list = find("recordings-items", HTMLElement);
+  /** @type {Rows<RecordingEntry>} */
+  #rows = new Rows(this.#list, (entry) => recordingRow(entry, this));
   #file = findInput("recordings-file");
   #back = findButton("replay-end");
   #drives = false;
@@ -44,9 +47,9 @@ export class RecordingsPanel {
   async #load() {
     try {
       const entries = /** @type {RecordingEntry[]} */ (await getJson("api/recordings"));
-      const rows = entries.map((entry) => recordingRow(entry, this));
       const none = t("There are no recordings yet. Press Record, or drop a file onto this page.");
-      this.#list.replaceChildren(...(rows.length ? rows : [make("li", { class: "quiet" }, none)]));
+      this.#rows.show(entries);
+      if (entries.length === 0) this.#list.append(make("li", { class: "quiet" }, none));
     } catch (error) {
       this.toasts.fail(error);
     }
@@ -117,6 +120,8 @@ export class RecordingsPanel {
       await send(`api/recordings/${encodeURIComponent(name)}`, method, body);
     } catch (error) {
       if (!quiet) this.toasts.fail(error);
+      // What was typed and refused does not stand.
+      this.#rows.forget();
       done = false;
     }
     if (again) await this.#load();

@@ -63,15 +63,16 @@ export class RunsTable {
   /** @param {RunsMessage} news */
   #write({ runs, against }) {
     const focused = document.activeElement?.getAttribute("data-run");
-    this.#body.replaceChildren(...runs.map((run) => this.#row(run, against)));
+    const moved = new Set(runs.map(({ field }) => field)).size > 1;
+    this.#body.replaceChildren(...runs.map((run) => this.#row(run, against, moved)));
     const again = focused && this.#body.querySelector(`[data-run="${focused}"]`);
     if (again instanceof HTMLElement) again.focus();
     const empty = t("Drive: a run begins with each change of the filter, and its numbers come here.");
     setText(this.#note, runs.length === 0 ? empty : runs.length > 1 ? difference(runs, against) : "");
   }
 
-  /** @param {RunMessage} run @param {number | null} against */
-  #row(run, against) {
+  /** @param {RunMessage} run @param {number | null} against @param {boolean} moved whether runs are on several fields */
+  #row(run, against, moved) {
     const { number } = run;
     const chosen = number === against;
     const compare = /** @type {HTMLInputElement} */ (make("input", {
@@ -98,7 +99,7 @@ export class RunsTable {
       run.time_to_right === null ? "–" : `${plain(run.time_to_right, 1)} s`,
       apart(run, chosen),
     ];
-    const name = make("th", { scope: "row" }, make("label", {}, compare, ` ${words(run)}`));
+    const name = make("th", { scope: "row" }, make("label", {}, compare, ` ${words(run, moved)}`));
     name.title = t("{pictures} pictures in {seconds} s on {field}", { pictures: run.pictures, seconds: plain(run.seconds, 0), field: run.field });
     const row = make("tr", {}, name, ...cells.map((cell) => make("td", {}, cell)), make("td", {}, keeper, gone));
     row.dataset.now = String(run.present);
@@ -112,8 +113,8 @@ export class RunsTable {
   }
 }
 
-/** What a run is, and with which parameters. @param {RunMessage} run */
-function words({ number, file, recorded, present, parameters, standard, units }) {
+/** What a run is, where, and with which parameters. @param {RunMessage} run @param {boolean} moved */
+function words({ number, field, file, recorded, present, parameters, standard, units }, moved) {
   const changes = Object.entries(parameters).map(([name, value]) => {
     const { unit, factor } = readAs(units[name] ?? "");
     const said = { name, value: told(value, factor), standard: `${told(standard[name], factor)} ${unit}`.trim() };
@@ -123,12 +124,16 @@ function words({ number, file, recorded, present, parameters, standard, units })
   const values = { number, file };
   if (recorded) return t("{number}: as recorded in {file}", values);
   if (file) return `${t("{number}: {file} again", values)}; ${settings}`;
-  return `${present ? t("{number}: now", values) : t("{number}: before", values)}; ${settings}`;
+  const when = present ? t("{number}: now", values) : t("{number}: before", values);
+  return `${when}${moved ? t(", on {field}", { field }) : ""}; ${settings}`;
 }
 
-/** Say the largest difference that is there in words. @param {RunMessage[]} runs @param {number | null} against */
+/** Say the first difference on the same field in words. @param {RunMessage[]} runs @param {number | null} against */
 function difference(runs, against) {
-  const run = runs.find(({ difference: found }) => found?.low !== null && found !== null);
+  const chosen = runs.find(({ number }) => number === against);
+  const alike = runs.filter(({ field }) => field === chosen?.field);
+  if (alike.length === 1) return t("The other runs are on other fields: their errors say little of this one.");
+  const run = alike.find(({ difference: found }) => found?.low !== null && found !== null);
   const found = run?.difference;
   if (!run || !found || found.low === null || found.high === null) return t("A difference has an interval once both runs have driven for ten seconds.");
   const values = { run: run.number, other: against ?? 0, size: millimetres(Math.abs(found.rmse), 2) };

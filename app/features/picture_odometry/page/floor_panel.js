@@ -43,6 +43,12 @@ export function panel(body) {
   const phone = matchMedia("(max-width: 640px), (max-height: 500px)");
   let last = 0;
   let loading = false;
+  let off = false;
+  // Where it shares a tab it takes room of the map's only if there is something to see.
+  const fit = () => {
+    if (section) section.style.display = off && phone.matches ? "none" : "";
+  };
+  phone.addEventListener("change", fit);
   picture.onload = picture.onerror = () => {
     loading = false;
   };
@@ -52,8 +58,8 @@ export function panel(body) {
       const speed = values?.floor_speed_mm_s;
       const fast = typeof speed === "number" ? `, ${speed} mm/s` : "";
       picture.hidden = !state;
-      // Where it shares a tab it takes room of the map's only if there is something to see.
-      if (section) section.style.display = !state && phone.matches ? "none" : "";
+      off = !state;
+      fit();
       words.textContent = state ? `${WORDS[state] ?? state}${fast}` : OFF;
       const now = performance.now();
       if (state && !loading && picture.offsetParent !== null && now - last >= PERIOD_MS) {
