@@ -1,0 +1,126 @@
+"""Compares how the floor moves with what the wheels say, for each way to plug motors in wrongly.
+
+The tape that is seen now is laid on that seen a moment before, by the motion that the wheels told
+meanwhile, and by those that they would have told with other plugs. Motors that are plugged in
+rightly lay it where it was, whatever they do; slip, lateness and a wrong map change little of that.
+A mirrored picture moves as that of a robot whose motors are in each other's place.
+"""
+
+from __future__ import annotations
+
+import math
+from enum import Enum
+
+import numpy as np
+
+from robot.geometry import Array, Pose2, Twist2
+from robot.scan import Scan
+
+STRIDE, STRIDE_TURN = 0.04, 0.12
+"""Tape is compared after each such way of either wheel [m], or turn [rad]."""
+LONGEST = 1.0
+"""After a longer time without a scan, or one that runs back, comparing begins anew [s]."""
+REACH = 0.7
+"""Tape within this is exact enough [m]."""
+APART = 0.05
+"""Neighbouring returns that are farther apart than this do not lie along one edge [m]."""
+FEWEST = 10
+"""Fewer returns tell nothing."""
+SHARE = 0.6
+"""So many of the returns have to lie on earlier ones: others were not in sight then."""
+LIES, MISSES = 0.004, 0.010
+"""Tape is laid rightly if it is off by less than this [m], and wrongly if by more."""
+SURE, MOST = 4, 8
+"""A motion has to be the only right one so many times before it is believed; more than ``MOST``
+do not count."""
+
+
+class Plugs(Enum):
+    """How motors are plugged in, by what is told of the left wheel, and of the right one."""
+
+    RIGHT = ((1, 0), (0, 1))
+    SWAPPED = ((0, 1), (1, 0))
+    LEFT_REVERSED = ((-1, 0), (0, 1))
+    RIGHT_REVERSED = ((1, 0), (0, -1))
+    BOTH_REVERSED = ((-1, 0), (0, -1))
+    TURNED_ROUND = ((0, -1), (-1, 0))
+
+
+WRONG = tuple(plugs for plugs in Plugs if plugs is not Plugs.RIGHT)
+
+
+class PlugCheck:
+    """Follows the tape in sight, and knows how motors seem to be plugged in."""
+
+    def __init__(self, track: float) -> None:
+        """Begin with motors that are plugged in rightly.
+
+        Args:
+            track: distance between the wheels [m].
+        """
+        self._track = track
+        self._votes = dict.fromkeys(WRONG, 0)
+        self._last: Pose2 | None = None
+        self._stamp = -math.inf
+        self._begin(np.empty((0, 2)))
+
+    @property
+    def plugs(self) -> Plugs:
+        """How motors are plugged in, as far as is known."""
+        most = max(WRONG, key=self._votes.__getitem__)
+        return most if self._votes[most] >= SURE else Plugs.RIGHT
+
+    def add(self, scan: Scan, odometry: Pose2) -> None:
+        """Add a scan, and odometry at its stamp."""
+        elapsed, self._stamp = scan.stamp - self._stamp, scan.stamp
+        points = scan.points()
+        points = points[np.hypot(*points.T) < REACH]
+        last, self._last = self._last, odometry
+        if last is None or not 0 < elapsed < LONGEST:
+            self._begin(points)
+            return
+        self._move(last.inverse() @ odometry)
+        if self._way > STRIDE or self._turn > STRIDE_TURN:
+            if min(len(points), len(self._points)) >= FEWEST:
+                self._compare(points)
+            self._begin(points)
+
+    def _begin(self, points: Array) -> None:
+        self._points = points
+        """(n, 2) the tape that later tape is laid on, in the robot's frame then [m]."""
+        self._motions = dict.fromkeys(Plugs, Pose2())
+        """The robot's motion since then, by how motors may be plugged in."""
+        self._way = self._turn = 0.0
+
+    def _move(self, step: Pose2) -> None:
+        half = step.theta / 2
+        way = math.hypot(step.x, step.y) * (half / math.sin(half) if abs(half) > 1e-6 else 1.0)
+        way = math.copysign(way, step.x * math.cos(half) + step.y * math.sin(half))
+        wheels = np.array([way - half * self._track, way + half * self._track])
+        self._way += float(np.abs(wheels).max())
+        for plugs in Plugs:
+            left, right = np.array(plugs.value) @ wheels
+            twist = Twist2((left + right) / 2, (right - left) / self._track)
+            self._motions[plugs] = self._motions[plugs] @ twist.integrate(1.0)
+        self._turn = max(abs(motion.theta) for motion in self._motions.values())
+
+    def _compare(self, points: Array) -> None:
+        off = {plugs: self._off(motion, points) for plugs, motion in self._motions.items()}
+        standing = self._off(Pose2(), points)
+        right = off[Plugs.RIGHT]
+        for plugs in WRONG:
+            if off[plugs] < LIES and min(right, standing) > MISSES:
+                self._votes[plugs] = min(self._votes[plugs] + 1, MOST)
+            elif right < LIES and off[plugs] > MISSES:
+                self._votes[plugs] = max(self._votes[plugs] - 1, 0)
+
+    def _off(self, motion: Pose2, points: Array) -> float:
+        """Return how far points (n, 2), after a motion, are off the tape before it [m]."""
+        moved = motion.apply(points)
+        starts, along = self._points[:-1], np.diff(self._points, axis=0)
+        along[np.hypot(*along.T) > APART] = 0.0  # a point instead of an edge
+        squared = np.maximum((along**2).sum(axis=1), 1e-12)
+        offsets = moved[:, None] - starts
+        part = np.clip((offsets * along).sum(axis=2) / squared, 0.0, 1.0)
+        nearest = offsets - part[..., None] * along
+        return float(np.quantile(np.sqrt((nearest**2).sum(axis=2).min(axis=1)), SHARE))
