@@ -27,6 +27,10 @@ FROZEN = Alert(
         "the camera delivers the same picture again and again while the wheels turn: it is not used"
     ),
 )
+DISPLACED = Alert(
+    Cause.WHEEL_SLIP,
+    phrase("the robot was not where its wheels had led it: was it pushed, lifted, or stuck?"),
+)
 WORDS = {
     Plugs.SWAPPED: phrase(
         "the floor turns the other way than the wheels do: are the motors in each other's place, "
@@ -53,7 +57,7 @@ class PlausibilityChecks(AddedModels):
         super().__init__()
         self._plugs = PlugCheck(track)
         self._stamp = 0.0
-        self._frozen_until = -math.inf
+        self._frozen_until = self._displaced_until = -math.inf
         self._pictured = Pose2()
         """Odometry when the newest picture was first seen."""
 
@@ -62,8 +66,14 @@ class PlausibilityChecks(AddedModels):
         """What cannot be true; nothing if all can."""
         if self._stamp < self._frozen_until:
             return (FROZEN,)
+        if self._stamp < self._displaced_until:
+            return (DISPLACED,)
         plugs = self._plugs.plugs
         return () if plugs is Plugs.RIGHT else (Alert(Cause.MOTORS, WORDS[plugs]),)
+
+    def note_displaced(self) -> None:
+        """Note that the robot was found again, elsewhere than its wheels had led."""
+        self._displaced_until = self._stamp + SHOWN
 
     def cleared(self, scan: Scan, odometry: Pose2) -> Scan:
         """Return a scan as it is, or one that sees nothing if its picture is an old one."""

@@ -16,8 +16,8 @@ import numpy as np
 from robot.geometry import Array, Pose2, Twist2
 from robot.scan import Scan
 
-STRIDE, STRIDE_TURN = 0.04, 0.12
-"""Tape is compared after each such way of either wheel [m], or turn [rad]."""
+STRIDE = 0.02
+"""Tape is compared after each such way of either wheel [m]."""
 LONGEST = 1.0
 """After a longer time without a scan, or one that runs back, comparing begins anew [s]."""
 REACH = 0.7
@@ -60,6 +60,8 @@ class PlugCheck:
         """
         self._track = track
         self._votes = dict.fromkeys(WRONG, 0)
+        self._errors = dict.fromkeys(WRONG, 0.0)
+        """How far tape is off where any motion lays it rightly; old errors count less [m]."""
         self._last: Pose2 | None = None
         self._stamp = -math.inf
         self._begin(np.empty((0, 2)))
@@ -67,7 +69,7 @@ class PlugCheck:
     @property
     def plugs(self) -> Plugs:
         """How motors are plugged in, as far as is known."""
-        most = max(WRONG, key=self._votes.__getitem__)
+        most = max(WRONG, key=lambda plugs: (self._votes[plugs], -self._errors[plugs]))
         return most if self._votes[most] >= SURE else Plugs.RIGHT
 
     def add(self, scan: Scan, odometry: Pose2) -> None:
@@ -80,7 +82,7 @@ class PlugCheck:
             self._begin(points)
             return
         self._move(last.inverse() @ odometry)
-        if self._way > STRIDE or self._turn > STRIDE_TURN:
+        if self._way > STRIDE:
             if min(len(points), len(self._points)) >= FEWEST:
                 self._compare(points)
             self._begin(points)
@@ -88,30 +90,39 @@ class PlugCheck:
     def _begin(self, points: Array) -> None:
         self._points = points
         """(n, 2) the tape that later tape is laid on, in the robot's frame then [m]."""
-        self._motions = dict.fromkeys(Plugs, Pose2())
-        """The robot's motion since then, by how motors may be plugged in."""
-        self._way = self._turn = 0.0
+        self._steps: list[Array] = []
+        """(2,) ways of the left and the right wheel since then, as they are told [m]."""
+        self._way = 0.0
 
     def _move(self, step: Pose2) -> None:
         half = step.theta / 2
         way = math.hypot(step.x, step.y) * (half / math.sin(half) if abs(half) > 1e-6 else 1.0)
         way = math.copysign(way, step.x * math.cos(half) + step.y * math.sin(half))
-        wheels = np.array([way - half * self._track, way + half * self._track])
-        self._way += float(np.abs(wheels).max())
-        for plugs in Plugs:
-            left, right = np.array(plugs.value) @ wheels
+        self._steps.append(np.array([way - half * self._track, way + half * self._track]))
+        self._way += abs(way) + abs(half) * self._track
+
+    def _motion(self, plugs: Plugs) -> Pose2:
+        """Return the robot's motion since then, if motors are plugged in so."""
+        motion = Pose2()
+        for step in self._steps:
+            left, right = (np.array(plugs.value) @ step).tolist()
             twist = Twist2((left + right) / 2, (right - left) / self._track)
-            self._motions[plugs] = self._motions[plugs] @ twist.integrate(1.0)
-        self._turn = max(abs(motion.theta) for motion in self._motions.values())
+            motion = motion @ twist.integrate(1.0)
+        return motion
 
     def _compare(self, points: Array) -> None:
-        off = {plugs: self._off(motion, points) for plugs, motion in self._motions.items()}
-        standing = self._off(Pose2(), points)
-        right = off[Plugs.RIGHT]
+        right = self._off(self._motion(Plugs.RIGHT), points)
+        if right < LIES and not any(self._votes.values()):
+            return  # as nearly always
+        off = {plugs: self._off(self._motion(plugs), points) for plugs in WRONG}
+        if min(right, *off.values()) > LIES:
+            return
+        other = min(right, self._off(Pose2(), points))  # it may stand on idle wheels
         for plugs in WRONG:
-            if off[plugs] < LIES and min(right, standing) > MISSES:
+            self._errors[plugs] += (off[plugs] - self._errors[plugs]) / MOST
+            if off[plugs] < LIES and other > MISSES:
                 self._votes[plugs] = min(self._votes[plugs] + 1, MOST)
-            elif right < LIES and off[plugs] > MISSES:
+            elif off[plugs] > MISSES:
                 self._votes[plugs] = max(self._votes[plugs] - 1, 0)
 
     def _off(self, motion: Pose2, points: Array) -> float:
