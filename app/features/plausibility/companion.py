@@ -1,4 +1,4 @@
-"""Looks, in each tick, at how motors count, and at where the robot was found again."""
+"""The companion looks, in each tick, at how motors count and where the robot is found again."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class PlausibilityCompanion:
             return
         self._newest, odometry = newest, newest[1]
         state, pose = localization.integrity.state, belief.pose(odometry)
-        if self._displacement.found(state, pose, odometry):
+        if self._displacement.was_displaced(state, pose, odometry):
             for models in localization.added:
                 if isinstance(models, PlausibilityChecks):
                     models.note_displaced()

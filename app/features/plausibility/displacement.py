@@ -1,4 +1,4 @@
-"""Whether a place that was lost and found again is where wheels led meanwhile."""
+"""Displacement: whether a place that was lost is found again where wheels led meanwhile."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Displacement:
         self._odometry = Pose2()
         self._way = self._turns = 0.0
 
-    def found(self, state: State, pose: Pose2, odometry: Pose2) -> bool:
+    def was_displaced(self, state: State, pose: Pose2, odometry: Pose2) -> bool:
         """Return whether the place was found again, elsewhere than wheels led from the last one.
 
         Args:

@@ -111,21 +111,21 @@ class PlugCheck:
         return motion
 
     def _compare(self, points: Array) -> None:
-        right = self._off(self._motion(Plugs.RIGHT), points)
+        right = self._error_after(self._motion(Plugs.RIGHT), points)
         if right < LIES and not any(self._votes.values()):
             return  # as nearly always
-        off = {plugs: self._off(self._motion(plugs), points) for plugs in WRONG}
-        if min(right, *off.values()) > LIES:
+        errors = {plugs: self._error_after(self._motion(plugs), points) for plugs in WRONG}
+        if min(right, *errors.values()) > LIES:
             return
-        other = min(right, self._off(Pose2(), points))  # it may stand on idle wheels
+        other = min(right, self._error_after(Pose2(), points))  # it may stand on idle wheels
         for plugs in WRONG:
-            self._errors[plugs] += (off[plugs] - self._errors[plugs]) / MOST
-            if off[plugs] < LIES and other > MISSES:
+            self._errors[plugs] += (errors[plugs] - self._errors[plugs]) / MOST
+            if errors[plugs] < LIES and other > MISSES:
                 self._votes[plugs] = min(self._votes[plugs] + 1, MOST)
-            elif off[plugs] > MISSES:
+            elif errors[plugs] > MISSES:
                 self._votes[plugs] = max(self._votes[plugs] - 1, 0)
 
-    def _off(self, motion: Pose2, points: Array) -> float:
+    def _error_after(self, motion: Pose2, points: Array) -> float:
         """Return how far points (n, 2), after a motion, are off the tape before it [m]."""
         moved = motion.apply(points)
         starts, along = self._points[:-1], np.diff(self._points, axis=0)

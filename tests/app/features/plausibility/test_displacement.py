@@ -18,7 +18,7 @@ def found(states: list[State], pushed: Pose2, at: int) -> list[int]:
     for number, state in enumerate(states):
         if number == at:
             pose = pose @ pushed
-        if displacement.found(state, pose, odometry):
+        if displacement.was_displaced(state, pose, odometry):
             said.append(number)
         odometry, pose = odometry @ STEP, pose @ STEP
     return said
