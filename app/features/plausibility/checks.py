@@ -10,6 +10,7 @@ import numpy as np
 from app.engine.added_models import AddedModels
 from app.engine.robots import robot_spec
 from app.features.plausibility.plug_check import PlugCheck, Plugs
+from app.features.plausibility.punctuality import Habit, Punctuality
 from app.languages.marking import phrase
 from app.settings.config import Config
 from robot.fields.field import Field
@@ -31,6 +32,10 @@ DISPLACED = Alert(
     Cause.WHEEL_SLIP,
     phrase("the robot was not where its wheels had led it: was it pushed, lifted, or stuck?"),
 )
+HABITS = {
+    Habit.LATER: phrase("pictures have come later or sooner all at once"),
+    Habit.BY_TURNS: phrase("pictures come late by turns: is the computer or the network busy?"),
+}
 WORDS = {
     Plugs.SWAPPED: phrase(
         "the floor turns the other way than the wheels do: are the motors in each other's place, "
@@ -56,6 +61,7 @@ class PlausibilityChecks(AddedModels):
         """
         super().__init__()
         self._plugs = PlugCheck(track)
+        self._punctuality = Punctuality()
         self._stamp = 0.0
         self._frozen_until = self._displaced_until = -math.inf
         self._pictured = Pose2()
@@ -69,6 +75,8 @@ class PlausibilityChecks(AddedModels):
         if self._stamp < self._displaced_until:
             return (DISPLACED,)
         plugs = self._plugs.plugs
+        if plugs is Plugs.RIGHT and self._stamp < self._punctuality.changed + SHOWN:
+            return (Alert(Cause.PICTURES_LATE, HABITS[self._punctuality.habit]),)
         return () if plugs is Plugs.RIGHT else (Alert(Cause.MOTORS, WORDS[plugs]),)
 
     def note_displaced(self) -> None:
@@ -82,10 +90,15 @@ class PlausibilityChecks(AddedModels):
             self._frozen_until = scan.stamp + SHOWN
             rays = len(scan.ranges)
             return replace(scan, ranges=np.full(rays, np.inf), sight=np.full((rays, 2), np.nan))
-        if not scan.repeated:
-            self._pictured = odometry
-            self._plugs.add(scan, odometry)
-        return scan
+        if scan.repeated:
+            return scan
+        self._pictured = odometry
+        self._plugs.add(scan, odometry)
+        self._punctuality.add(scan, odometry)
+        if self._punctuality.late == 0:
+            return scan
+        moved = self._punctuality.twist.integrate(self._punctuality.late)
+        return replace(scan, robot_from_scan=moved.inverse() @ scan.robot_from_scan)
 
 
 def plausibility_checks(config: Config, field: Field) -> list[PlausibilityChecks]:

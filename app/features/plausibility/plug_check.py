@@ -13,6 +13,7 @@ from enum import Enum
 
 import numpy as np
 
+from app.features.plausibility.overlay import FEWEST, misfit, near_points
 from robot.geometry import Array, Pose2, Twist2
 from robot.scan import Scan
 
@@ -20,14 +21,6 @@ STRIDE = 0.02
 """Tape is compared after each such way of either wheel [m]."""
 LONGEST = 1.0
 """After a longer time without a scan, or one that runs back, comparing begins anew [s]."""
-REACH = 0.7
-"""Tape within this is exact enough [m]."""
-APART = 0.05
-"""Neighbouring returns that are farther apart than this do not lie along one edge [m]."""
-FEWEST = 10
-"""Fewer returns tell nothing."""
-SHARE = 0.6
-"""So many of the returns have to lie on earlier ones: others were not in sight then."""
 LIES, MISSES = 0.004, 0.010
 """Tape is laid rightly if it is off by less than this [m], and wrongly if by more."""
 SURE, MOST = 4, 8
@@ -75,8 +68,7 @@ class PlugCheck:
     def add(self, scan: Scan, odometry: Pose2) -> None:
         """Add a scan, and odometry at its stamp."""
         elapsed, self._stamp = scan.stamp - self._stamp, scan.stamp
-        points = scan.points()
-        points = points[np.hypot(*points.T) < REACH]
+        points = near_points(scan)
         last, self._last = self._last, odometry
         if last is None or not 0 < elapsed < LONGEST:
             self._begin(points)
@@ -111,27 +103,16 @@ class PlugCheck:
         return motion
 
     def _compare(self, points: Array) -> None:
-        right = self._error_after(self._motion(Plugs.RIGHT), points)
+        right = misfit(self._points, self._motion(Plugs.RIGHT).apply(points))
         if right < LIES and not any(self._votes.values()):
             return  # as nearly always
-        errors = {plugs: self._error_after(self._motion(plugs), points) for plugs in WRONG}
+        errors = {plugs: misfit(self._points, self._motion(plugs).apply(points)) for plugs in WRONG}
         if min(right, *errors.values()) > LIES:
             return
-        other = min(right, self._error_after(Pose2(), points))  # it may stand on idle wheels
+        other = min(right, misfit(self._points, points))  # it may stand on idle wheels
         for plugs in WRONG:
             self._errors[plugs] += (errors[plugs] - self._errors[plugs]) / MOST
             if errors[plugs] < LIES and other > MISSES:
                 self._votes[plugs] = min(self._votes[plugs] + 1, MOST)
             elif errors[plugs] > MISSES:
                 self._votes[plugs] = max(self._votes[plugs] - 1, 0)
-
-    def _error_after(self, motion: Pose2, points: Array) -> float:
-        """Return how far points (n, 2), after a motion, are off the tape before it [m]."""
-        moved = motion.apply(points)
-        starts, along = self._points[:-1], np.diff(self._points, axis=0)
-        along[np.hypot(*along.T) > APART] = 0.0  # a point instead of an edge
-        squared = np.maximum((along**2).sum(axis=1), 1e-12)
-        offsets = moved[:, None] - starts
-        part = np.clip((offsets * along).sum(axis=2) / squared, 0.0, 1.0)
-        nearest = offsets - part[..., None] * along
-        return float(np.quantile(np.sqrt((nearest**2).sum(axis=2).min(axis=1)), SHARE))
