@@ -33,7 +33,7 @@ DISPLACED = Alert(
     phrase("the robot was not where its wheels had led it: was it pushed, lifted, or stuck?"),
 )
 HABITS = {
-    Habit.LATER: phrase("pictures have come later or sooner all at once"),
+    Habit.LATER: phrase("pictures come late, or later than before"),
     Habit.BY_TURNS: phrase("pictures come late by turns: is the computer or the network busy?"),
 }
 WORDS = {
@@ -95,10 +95,7 @@ class PlausibilityChecks(AddedModels):
         self._pictured = odometry
         self._plugs.add(scan, odometry)
         self._punctuality.add(scan, odometry)
-        if self._punctuality.late == 0:
-            return scan
-        moved = self._punctuality.twist.integrate(self._punctuality.late)
-        return replace(scan, robot_from_scan=moved.inverse() @ scan.robot_from_scan)
+        return scan
 
 
 def plausibility_checks(config: Config, field: Field) -> list[PlausibilityChecks]:
