@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import os
+import sys
+import time
 import uuid
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from app.operating_system import replace_file
+PATIENCE_S = 2.0
+"""How long a file may be in use by another program that replaces or reads it [s]."""
+LOOK_S = 0.02
 
 
 @contextmanager
@@ -35,3 +39,23 @@ def atomic_file(path: Path) -> Iterator[Path]:
         raise
     finally:
         new.unlink(missing_ok=True)
+
+
+def replace_file(new: Path, old: Path) -> None:
+    """Put a file into another's place.
+
+    Windows refuses that while any program has the old one open: a virus scanner, or our own page.
+
+    Raises:
+        OSError: it cannot be done; on Windows after ``PATIENCE_S``.
+    """
+    end = time.monotonic() + (PATIENCE_S if sys.platform == "win32" else 0.0)
+    while True:
+        try:
+            new.replace(old)
+        except PermissionError:
+            if time.monotonic() >= end:
+                raise
+            time.sleep(LOOK_S)
+        else:
+            return

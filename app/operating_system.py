@@ -1,8 +1,9 @@
 """What differs between Linux, macOS and Windows: limits, processes, addresses.
 
-The rest of the program asks here, and needs no condition of its own. Three things are elsewhere:
-the user's folders (``robot/user_folders.py``), how a student's file is fenced
-(``app/features/course/sandbox``), and how bytes pass a serial port (``robot/hat/wire``).
+The rest of the program asks here, and needs no condition of its own. Four things are elsewhere: the
+user's folders (``robot/user_folders.py``), how files are replaced (``app/files.py``), how a
+student's file is fenced (``app/features/course/sandbox``), and how bytes pass a serial port
+(``robot/hat/wire``).
 """
 
 from __future__ import annotations
@@ -12,10 +13,8 @@ import os
 import signal
 import socket
 import sys
-import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
-from pathlib import Path
 from typing import Any
 
 MOST_DESCRIPTORS = 4096
@@ -28,10 +27,6 @@ MOST_ARENAS, OWN_PAGES_FROM, KEPT_FREE = -8, -3, -1
 LARGE = 4_000_000
 """What is larger gets pages of its own, which the system has back at once [bytes]. Nothing that the
 control loop makes anew in each tick is as large."""
-
-PATIENCE_S = 2.0
-"""How long a file may be in use by another program that replaces or reads it [s]."""
-LOOK_S = 0.02
 
 ABOVE_NORMAL = 0x8000
 """Windows' class of priority for work that comes before others."""
@@ -132,23 +127,3 @@ def give_way(niceness: int) -> None:
         kernel.SetPriorityClass(kernel.GetCurrentProcess(), BELOW_NORMAL)
     else:
         os.setpriority(os.PRIO_PROCESS, 0, niceness)
-
-
-def replace_file(new: Path, old: Path) -> None:
-    """Put a file into another's place.
-
-    Windows refuses that while any program has the old one open: a virus scanner, or our own page.
-
-    Raises:
-        OSError: it cannot be done; on Windows after ``PATIENCE_S``.
-    """
-    end = time.monotonic() + (PATIENCE_S if sys.platform == "win32" else 0.0)
-    while True:
-        try:
-            new.replace(old)
-        except PermissionError:
-            if time.monotonic() >= end:
-                raise
-            time.sleep(LOOK_S)
-        else:
-            return

@@ -10,6 +10,7 @@ from types import MappingProxyType
 from app.settings.config import Config
 from robot.fields.field import Field
 from robot.geometry import Pose2
+from robot.localization.estimate import Alert
 from robot.localization.models.motion_models import MotionModel
 from robot.localization.models.sensor_models import SensorModel
 from robot.localization.parameters import LocalizationParameters
@@ -60,6 +61,11 @@ class AddedModels:
     def problems(self) -> Mapping[str, str | None]:
         """What is wrong, by topic; None if nothing is."""
         return self._problems
+
+    @property
+    def alerts(self) -> tuple[Alert, ...]:
+        """Reasons for doubt that it sees; those that the filter finds are their consequences."""
+        return ()
 
     def choose(self, choice: ModelChoice | None) -> None:
         """Choose models by name, None those of the start; ``make`` follows."""

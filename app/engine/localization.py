@@ -141,7 +141,9 @@ class Localization(Follower):
     @property
     def integrity(self) -> Integrity:
         """State, bounds and alerts of the newest estimate, at the stamp of its scan."""
-        return self.localizer.integrity
+        claim = self.localizer.integrity
+        alerts = tuple(alert for models in self.added for alert in models.alerts)
+        return replace(claim, alerts=alerts) if alerts else claim
 
     def integrity_at(self, odom_from_robot: Pose2) -> Integrity:
         """Return the integrity of the estimate carried forward: odometry adds its errors."""

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from app.languages.docstrings import texts_of_docstrings
-from app.languages.markup import texts_of_page
+from app.languages.markup import translated
 from app.languages.python_texts import texts_of_module
 from app.languages.script_texts import texts_of_script
 
@@ -121,3 +121,15 @@ def _in_lessons(root: Path) -> Iterator[Text]:
         yield path.parent.name.partition("_")[2].replace("_", " ")
         yield from texts_of_docstrings(path)
     yield from texts_of_docstrings(root / LESSONS / "dashboard.py")
+
+
+def texts_of_page(page: str) -> list[str]:
+    """Return the texts of a page in their order."""
+    texts: list[str] = []
+
+    def kept(text: str) -> str:
+        texts.append(text)
+        return text
+
+    translated(page, kept)
+    return texts

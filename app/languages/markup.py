@@ -26,18 +26,6 @@ def translated(page: str, translate: Callable[[str], str]) -> str:
     return "".join(reader.parts)
 
 
-def texts_of_page(page: str) -> list[str]:
-    """Return the texts of a page in their order."""
-    texts: list[str] = []
-
-    def kept(text: str) -> str:
-        texts.append(text)
-        return text
-
-    translated(page, kept)
-    return texts
-
-
 class _Reader(HTMLParser):
     def __init__(self, translate: Callable[[str], str]) -> None:
         super().__init__(convert_charrefs=False)

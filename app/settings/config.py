@@ -48,15 +48,6 @@ NEW_NAMES: Mapping[str, str] = MappingProxyType(
 )
 """New paths of settings and tables, by their old paths."""
 
-
-def new_name(path: str) -> str:
-    """Return the present path of a setting, given its old path; most are the same."""
-    if path in NEW_NAMES:
-        return NEW_NAMES[path]
-    table, dot, name = path.partition(".")
-    return f"{NEW_NAMES.get(table, table)}{dot}{name}"
-
-
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 

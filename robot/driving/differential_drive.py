@@ -37,7 +37,8 @@ class DifferentialDrive:
         self.radii = radii
         """Corrected radii of the wheels (j,) [m]."""
         offsets = used.separation * np.array([joint.offset for joint in spec.joints])
-        self._limits = np.array([joint.max_velocity for joint in spec.joints])
+        self.limits = np.array([joint.max_velocity for joint in spec.joints])
+        """Fastest velocities of the joints (j,) [rad/s]."""
         self._wheels_from_twist = np.column_stack([1 / radii, -offsets / radii])
         self._twist_from_wheels = np.linalg.inv(self._wheels_from_twist)
 
@@ -61,5 +62,5 @@ class DifferentialDrive:
 
     def limit(self, twist: Twist2) -> Twist2:
         """Return the twist slowed down on the same curve, so that no wheel exceeds its limit."""
-        excess = float(np.max(np.abs(self.wheels(twist)) / self._limits))
+        excess = float(np.max(np.abs(self.wheels(twist)) / self.limits))
         return twist if excess <= 1 else Twist2(twist.v / excess, twist.omega / excess)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from bisect import bisect_right
 from collections import deque
 from dataclasses import dataclass, field
@@ -12,6 +13,10 @@ from robot.driving.differential_drive import DifferentialDrive
 from robot.geometry import Array, Pose2, Twist2, interpolate
 from robot.interface import Reading
 from robot.settings import check_settings, setting
+
+FASTER, AT_ONCE = 3.0, 0.5
+"""A joint that has turned by so many times what it can, and so much more [rad], counts anew: its
+plug was pulled, and it begins again at nought."""
 
 
 @dataclass(frozen=True)
@@ -54,6 +59,8 @@ class Odometry:
         self._history: deque[OdometryState] = deque()
         self._began = 0.0
         """Stamp of the first reading."""
+        self.counted_anew = -math.inf
+        """Stamp at which a joint was last elsewhere than it can have turned: it counts anew."""
 
     def update(self, reading: Reading) -> OdometryState:
         """Add one reading of the joints; return the new state.
@@ -110,6 +117,10 @@ class Odometry:
                 f"a reading at {reading.stamp:.6f} s follows one at {last.stamp:.6f} s; "
                 "stamps must rise"
             )
+        most = FASTER * self.drive.limits * duration + AT_ONCE
+        if (np.abs(turned) > most).any():
+            self.counted_anew = reading.stamp
+            turned = np.where(np.abs(turned) > most, reading.velocities * duration, turned)
         moved = self.drive.moved(turned)
         covariance = self._spread(last, turned, moved)
         twist = self.drive.twist(reading.velocities)

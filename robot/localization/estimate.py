@@ -51,6 +51,8 @@ class Cause(StrEnum):
     WHEEL_SIZE = "wheel size"
     MAP = "map"
     MODEL = "model"
+    MOTORS = "motors"
+    FROZEN = "picture frozen"
 
 
 @dataclass(frozen=True, slots=True)

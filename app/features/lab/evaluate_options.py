@@ -36,7 +36,8 @@ NAVIGATION = (
 """Options valid with navigation; ``out`` is valid, too."""
 MISHAPS = (
     "straight", "stuck", "pushed-along", "late-for-a-while", "late-by-turns", "enlarged", "shrunk",
-    "hand-laid", "piece-elsewhere", "piece-missing", "own-shadow", "light-wood", "dark-wood",
+    "hand-laid", "piece-elsewhere", "piece-missing", "own-shadow", "wheels-swapped",
+    "wheel-reversed", "mirrored", "frozen", "lifted", "replugged", "light-wood", "dark-wood",
     "light-lino", "dark-lino", "light-carpet", "dark-carpet", "light-concrete", "dark-concrete",
 )  # fmt: skip
 """Conditions of integrity that are more than settings, or of floors that nothing else needs."""

@@ -66,6 +66,7 @@ NAMES = [
     "own_models",
     "own_shadow",
     "picture_odometry",
+    "plausibility",
     "recordings",
     "reverse_proxy",
     "ros",

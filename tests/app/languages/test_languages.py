@@ -14,8 +14,17 @@ from hypothesis import strategies as st
 from app.engine.commands import parse
 from app.languages.catalogue import FOLDER, Catalogue, catalogue, languages, spoken
 from app.languages.docstrings import in_language
-from app.languages.extraction import ROOT, SILENT, SPEAKING, TELLING, Text, _in_python, texts
-from app.languages.markup import texts_of_page, translated
+from app.languages.extraction import (
+    ROOT,
+    SILENT,
+    SPEAKING,
+    TELLING,
+    Text,
+    _in_python,
+    texts,
+    texts_of_page,
+)
+from app.languages.markup import translated
 from app.languages.python_texts import texts_of_module
 from app.languages.script_texts import texts_of_script
 from app.languages.templates import PLACE, Templates, filled

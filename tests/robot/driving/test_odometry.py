@@ -57,6 +57,30 @@ def test_straights_arcs_and_turns_on_the_spot_are_exact(twist: Twist2) -> None:
     assert states[-1].twist.omega == pytest.approx(twist.omega)
 
 
+@pytest.mark.parametrize("joint", [0, 1])
+@pytest.mark.parametrize("counted", [40.0, -40.0, 2.0])
+def test_a_motor_that_counts_anew_moves_no_robot(joint: int, counted: float) -> None:
+    """The plug of a motor is pulled and put back, and it begins again at nought."""
+    twist = Twist2(0.15, 0.5)
+    odometry, wheels = Odometry(DRIVE, OdometrySettings()), DRIVE.wheels(twist)
+    for i in range(100):
+        positions = wheels * i * PERIOD
+        if i >= 50:
+            positions[joint] -= counted
+        state = odometry.update(reading(i * PERIOD, positions, wheels))
+        assert (odometry.counted_anew == 50 * PERIOD) == (i >= 50)
+    assert near(state.odom_from_robot, twist.integrate(99 * PERIOD), 1e-9)
+
+
+@pytest.mark.parametrize("share", [1.0, 2.0])
+def test_wheels_turn_as_fast_as_they_can_and_as_a_hand_turns_them(share: float) -> None:
+    odometry, turned = Odometry(DRIVE, OdometrySettings()), share * DRIVE.limits * PERIOD
+    for i in range(50):
+        state = odometry.update(reading(i * PERIOD, turned * i))
+    assert odometry.counted_anew == -math.inf
+    assert near(state.odom_from_robot, DRIVE.moved(49 * turned), 1e-9)
+
+
 def test_one_wheel_alone_turns_the_robot_about_the_other() -> None:
     odometry = Odometry(DRIVE, OdometrySettings())
     odometry.update(reading(0.0, np.zeros(2)))

@@ -18,7 +18,7 @@ from robot.interface import Frame
 from robot.scanning.line_scanner import LineScanner, LineScannerSettings
 from robot.scanning.tape_edges import Verdict
 from robot.settings import SettingError, describe
-from sim.floor_camera import FloorCamera
+from sim.floor_camera import CameraSettings, FloorCamera
 
 SIZE = (480, 640)
 
@@ -44,6 +44,19 @@ def test_a_stripe_of_another_width_is_not_tape(
         assert np.isnan(scan.tape_width)
     measured = np.isfinite(SCANNER.entries_and_exits(scan.picture)).all(axis=1)
     np.testing.assert_array_equal(measured, scan.verdicts == Verdict.COUNTED)
+
+
+def test_a_picture_that_comes_again_is_known_for_it() -> None:
+    scanner = LineScanner(VIEW, LineScannerSettings())
+    clean = camera_of(SQUARE, CameraSettings(noise=0)).picture(Pose2(0, 0, 0.2), STILL)
+    rng = np.random.default_rng(5)
+    noisy, other = (
+        np.clip(clean + rng.normal(0, 3, clean.shape), 0, 255).astype(np.uint8) for _ in range(2)
+    )
+    pictures = [noisy, noisy.copy(), other, noisy, noisy, clean, clean]
+    said = [scanner.scan(Frame(0.1 * i, p)).scan.repeated for i, p in enumerate(pictures)]
+    # Without noise, a robot may truly see the same again.
+    assert said == [False, True, False, False, True, False, False]
 
 
 def test_an_edge_without_the_other_side_in_view_is_no_return(tmp_path: Path) -> None:

@@ -17,7 +17,7 @@ from app.features.recordings.files.recorded import RecordingError
 from app.features.recordings.replay.decoding import ContentError, pose_and_covariance_of
 from app.features.recordings.replay.ticks import RecordedTopics
 from app.features.ros.message_types import MessageError
-from app.settings.config import MAPS, Config, as_table, by_path, from_table, new_name
+from app.settings.config import MAPS, NEW_NAMES, Config, as_table, by_path, from_table
 from robot.description.profile import load_profile
 from robot.description.spec import RobotSpec
 from robot.fields.field import Field
@@ -156,7 +156,15 @@ def with_new_names(content: dict[str, Any]) -> dict[str, Any]:
     """
     if "sim" in content:
         return content
-    return as_table({new_name(path): value for path, value in by_path(content).items()}, {})
+    return as_table({_new_name(path): value for path, value in by_path(content).items()}, {})
+
+
+def _new_name(path: str) -> str:
+    """Return the present path of a setting, given its old path; most are the same."""
+    if path in NEW_NAMES:
+        return NEW_NAMES[path]
+    table, dot, name = path.partition(".")
+    return f"{NEW_NAMES.get(table, table)}{dot}{name}"
 
 
 def first_estimate(

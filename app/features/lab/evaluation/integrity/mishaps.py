@@ -34,6 +34,8 @@ LATE_FROM, LATE_UNTIL, LATE = 6.0, 12.0, 0.09
 """Stamps between which pictures come later, and how much later they are stamped [s]."""
 JITTER = 0.1
 """Each picture is stamped later by up to this [s]."""
+IN_THE_AIR = 150
+"""Grey that the camera sees of a room while the robot is held."""
 STRIPE, STRIPE_LIGHT = (0.30, 0.35), 0.3
 """Where a shadow lies that travels with the robot, ahead of it [m], and the light left there."""
 LAID_SD, LAID_CELL = 0.010, 0.5
@@ -145,6 +147,94 @@ class UnpunctualRobot(DisturbedRobot):
         while self._waiting and self._waiting[0].stamp <= reading.stamp:
             frame = self._waiting.popleft()
         return replace(reading, frame=frame)
+
+
+class SwappedRobot(DisturbedRobot):
+    """The plugs of its two motors are in each other's place."""
+
+    def write(self, velocities: Array) -> Array:
+        """Turn each wheel as the other one was told."""
+        return super().write(velocities[::-1])[::-1]
+
+    def disturbed(self, reading: Reading) -> Reading:
+        """Return what each wheel did as if the other one had done it."""
+        positions, velocities = reading.positions[::-1], reading.velocities[::-1]
+        return replace(reading, positions=positions, velocities=velocities)
+
+
+class ReversedRobot(DisturbedRobot):
+    """One of its motors is taken for one that is mounted the other way round."""
+
+    def __init__(self, robot: Robot, rng: np.random.Generator) -> None:
+        super().__init__(robot, rng)
+        self._signs = np.where(np.arange(len(robot.spec.joints)) == rng.integers(2), -1.0, 1.0)
+
+    def write(self, velocities: Array) -> Array:
+        """Turn one wheel back where it was told to go ahead."""
+        return super().write(self._signs * velocities) * self._signs
+
+    def disturbed(self, reading: Reading) -> Reading:
+        """Return what this wheel did as if it had done the opposite."""
+        positions, velocities = self._signs * reading.positions, self._signs * reading.velocities
+        return replace(reading, positions=positions, velocities=velocities)
+
+
+class MirroringRobot(DisturbedRobot):
+    """Its camera delivers pictures in which left and right are exchanged, as for a selfie."""
+
+    def disturbed(self, reading: Reading) -> Reading:
+        """Mirror the picture."""
+        if reading.frame is None:
+            return reading
+        image = np.ascontiguousarray(reading.frame.image[:, ::-1])
+        return replace(reading, frame=Frame(reading.frame.stamp, image))
+
+
+class FreezingRobot(DisturbedRobot):
+    """Its camera delivers one picture again and again for a while, each stamped as a new one."""
+
+    def __init__(self, robot: Robot, rng: np.random.Generator) -> None:
+        super().__init__(robot, rng)
+        self._frozen: NDArray[np.uint8] | None = None
+
+    def disturbed(self, reading: Reading) -> Reading:
+        """Exchange what is seen for what was seen when it began."""
+        if reading.frame is None or not self.begin <= reading.stamp < self.begin + STUCK:
+            return reading
+        if self._frozen is None:
+            self._frozen = reading.frame.image
+        return replace(reading, frame=Frame(reading.frame.stamp, self._frozen))
+
+
+class LiftedRobot(StuckRobot):
+    """Somebody lifts it, looks at it while its wheels turn on, and puts it down where it was."""
+
+    def disturbed(self, reading: Reading) -> Reading:
+        """Turn the wheels in the air, and see no floor."""
+        reading = super().disturbed(reading)
+        if reading.frame is None or not self._stuck:
+            return reading
+        image = np.full_like(reading.frame.image, IN_THE_AIR)
+        return replace(reading, frame=Frame(reading.frame.stamp, image))
+
+
+class RepluggedRobot(DisturbedRobot):
+    """The plug of one motor is pulled and put back while it drives: its count begins anew."""
+
+    def __init__(self, robot: Robot, rng: np.random.Generator) -> None:
+        super().__init__(robot, rng)
+        self._joint = int(rng.integers(2))
+        self._counted = 0.0
+        """What the motor had counted when it was put back [rad]."""
+
+    def disturbed(self, reading: Reading) -> Reading:
+        """Count from the moment when the plug was put back."""
+        if reading.stamp >= self.begin:
+            self.begin = math.inf
+            self._counted = float(reading.positions[self._joint])
+        positions = reading.positions.copy()
+        positions[self._joint] -= self._counted
+        return replace(reading, positions=positions)
 
 
 class ShadowedRobot(DisturbedRobot):
@@ -312,6 +402,12 @@ MISHAPS: Mapping[str, Mishap] = MappingProxyType(
         "piece-elsewhere": Mishap(floor=with_piece_elsewhere),
         "piece-missing": Mishap(floor=without_piece),
         "own-shadow": Mishap(robot=ShadowedRobot),
+        "wheels-swapped": Mishap(robot=SwappedRobot),
+        "wheel-reversed": Mishap(robot=ReversedRobot),
+        "mirrored": Mishap(robot=MirroringRobot),
+        "frozen": Mishap(robot=FreezingRobot),
+        "lifted": Mishap(robot=LiftedRobot),
+        "replugged": Mishap(robot=RepluggedRobot),
         **{
             f"{tone}-{texture}": Mishap({"sim.camera.texture": texture, "sim.camera.tone": tone})
             for texture in ("wood", "lino", "carpet", "concrete")

@@ -21,7 +21,7 @@ import numpy as np
 import pytest
 import yaml
 
-from app import console, operating_system
+from app import console, files, operating_system
 from app.features.course.sandbox import limits, student_process
 from app.features.course.sandbox.custody import Usage
 from app.features.course.sandbox.student_process import Limit, StudentError, StudentProcess
@@ -72,7 +72,7 @@ def test_a_file_that_another_program_reads_is_replaced_a_moment_later(monkeypatc
     with atomic_file(tmp_path / "kept.toml") as new:
         new.write_text("new", encoding="utf-8")
     assert (tmp_path / "kept.toml").read_text(encoding="utf-8") == "new"
-    monkeypatch.setattr(operating_system, "PATIENCE_S", 0.0)
+    monkeypatch.setattr(files, "PATIENCE_S", 0.0)
     tries.clear()
     with pytest.raises(PermissionError), atomic_file(tmp_path / "kept.toml") as new:
         new.write_text("newer", encoding="utf-8")

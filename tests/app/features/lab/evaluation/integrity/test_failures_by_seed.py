@@ -162,6 +162,17 @@ def test_a_shadow_that_travels_with_the_robot_makes_no_place_certain() -> None:
     assert not misleading(follow_claims(drive, config, "known")).any()
 
 
+@pytest.mark.parametrize("condition", ["frozen", "replugged"])
+def test_what_cannot_be_true_moves_no_robot(condition: str) -> None:
+    """The robot stayed where the frozen picture was taken, and was certain there for 1.7 s; and it
+    was where a motor led that had begun to count anew, and was lost."""
+    require_engine("mujoco")
+    config = Config(robot="sim", map="square", seed=15500, sim=SimSettings(engine="mujoco"))
+    claims = follow_claims(lap_drive(config, 1, mishap_of(condition)), config, "known")
+    assert not misleading(claims).any()
+    assert right(claims).all()
+
+
 def test_a_robot_with_worn_wheels_is_right_to_the_end() -> None:
     claims = claims_of("square", "worn", "known", 1001)
     assert right(claims).all()

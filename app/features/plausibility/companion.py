@@ -1,0 +1,72 @@
+"""The companion looks, in each tick, at how motors count and where the robot is found again."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+from app.engine.controls import Controls
+from app.features.plausibility.checks import PlausibilityChecks
+from app.features.plausibility.displacement import Displacement
+from app.languages.marking import phrase
+from app.messages.commands import Command
+from app.settings.config import Config
+from robot.fields.field import Field
+from robot.geometry import Pose2
+from robot.interface import Reading, Robot
+from robot.scan import Scan
+
+TOPIC = "motor_count"
+SHOWN = 10.0
+"""It is said for so long [s]."""
+SAID = phrase(
+    "A motor counts anew: was its plug pulled? Its way meanwhile is reckoned by its speed."
+)
+
+
+class PlausibilityCompanion:
+    """Goes along with one engine."""
+
+    needs_pictures = False
+    shown = None
+
+    def __init__(self) -> None:
+        self._displacement = Displacement()
+        self._map_from_odom = Pose2()
+        """Where somebody has put the robot, and that was told."""
+        self._newest: tuple[Scan, Pose2] | None = None
+
+    def commands(self, odom_from_robot: Pose2, controls: Controls) -> Iterable[Command]:
+        """Give no commands."""
+        return ()
+
+    def add(self, reading: Reading, controls: Controls) -> None:
+        """Say what was found, for a while."""
+        self._look_at_place(controls)
+        since = reading.stamp - controls.odometry.counted_anew
+        if math.isfinite(since):
+            controls.report(TOPIC, SAID if since < SHOWN else None)
+
+    def _look_at_place(self, controls: Controls) -> None:
+        localization = controls.localization
+        if controls.map_from_odom != self._map_from_odom:
+            self._displacement, self._map_from_odom = Displacement(), controls.map_from_odom
+        newest, belief = localization.newest, localization.belief
+        if newest is self._newest or newest is None or belief is None:
+            return
+        self._newest, odometry = newest, newest[1]
+        state, pose = localization.integrity.state, belief.pose(odometry)
+        if self._displacement.was_displaced(state, pose, odometry):
+            for models in localization.added:
+                if isinstance(models, PlausibilityChecks):
+                    models.note_displaced()
+
+    def close(self) -> None:
+        """Do nothing: there is no thread."""
+
+
+def plausibility_companion(
+    config: Config, robot: Robot, field: Field
+) -> Iterable[PlausibilityCompanion]:
+    """Return what goes along with an engine."""
+    return (PlausibilityCompanion(),)

@@ -1,0 +1,69 @@
+"""What cannot be true of pictures and wheels is said, and moves no estimate."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from app.features.plausibility.checks import SHOWN, STANDS, PlausibilityChecks
+from app.features.plausibility.companion import SAID, TOPIC, PlausibilityCompanion
+from app.features.plausibility.companion import SHOWN as COUNTS_SHOWN
+from robot.geometry import Pose2
+from robot.interface import Reading
+from robot.localization.estimate import Cause
+from robot.scan import Scan
+
+PERIOD = 1 / 15
+RAYS = 31
+AHEAD = Pose2(0.01)
+"""Way between two pictures."""
+
+
+def scan(number: int, *, repeated: bool = False) -> Scan:
+    ranges = np.full(RAYS, 0.4)
+    return Scan(number * PERIOD, np.linspace(-0.5, 0.5, RAYS), ranges, repeated=repeated)
+
+
+def test_a_picture_that_stands_while_wheels_turn_tells_nothing_and_is_named() -> None:
+    checks, odometry = PlausibilityChecks(0.12), Pose2()
+    for number in range(90):
+        frozen = 30 <= number < 45
+        seen = scan(number, repeated=frozen)
+        cleared = checks.cleared(seen, odometry)
+        assert (cleared is seen) == (not frozen)
+        if frozen:
+            assert not cleared.hit.any()
+            assert np.isnan(cleared.sight).all()
+        said = [alert.cause for alert in checks.alerts]
+        assert said == ([Cause.FROZEN] if 2.0 <= seen.stamp < 44 * PERIOD + SHOWN else [])
+        odometry = odometry @ AHEAD
+
+
+def test_a_robot_that_stands_may_see_the_same_again_and_again() -> None:
+    checks = PlausibilityChecks(0.12)
+    for number in range(30):
+        seen = scan(number, repeated=number > 0)
+        assert checks.cleared(seen, Pose2(0.5 * STANDS * (number % 2))) is seen
+        assert not checks.alerts
+
+
+class Told:
+    """Stands for controls: a robot whose place nobody knows."""
+
+    def __init__(self) -> None:
+        self.odometry = self.localization = self
+        self.map_from_odom, self.newest, self.belief = Pose2(), None, None
+        self.counted_anew, self.said = -np.inf, {}
+
+    def report(self, topic: str, message: str | None) -> None:
+        self.said[topic] = message
+
+
+@pytest.mark.parametrize("since", [0.0, 0.5 * COUNTS_SHOWN, 2 * COUNTS_SHOWN])
+def test_a_motor_that_counts_anew_is_said_for_a_while(since: float) -> None:
+    companion, told = PlausibilityCompanion(), Told()
+    companion.add(Reading(1.0, np.zeros(2), np.zeros(2)), told)
+    assert not told.said
+    told.counted_anew = 2.0
+    companion.add(Reading(2.0 + since, np.zeros(2), np.zeros(2)), told)
+    assert told.said == {TOPIC: SAID if since < COUNTS_SHOWN else None}

@@ -1,0 +1,81 @@
+"""Pictures that come later all at once, or late by turns, are known for it; slip is not."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from floor_scans import AHEAD, LEFT, PERIOD, RIGHT, drive
+
+from app.features.plausibility.punctuality import CHANGE, Habit, Punctuality
+from robot.geometry import Pose2, interpolate
+from robot.scan import Scan
+
+BENDS = [*[LEFT] * 40, *[AHEAD] * 20, *[RIGHT] * 40]
+CIRCLE = [LEFT] * 100
+
+
+def heard(twists: list, late: Callable[[float], float]) -> list[tuple[float, Habit]]:
+    """Return what is found, and when, of pictures that are stamped later by this [s]."""
+    punctuality, said, last = Punctuality(), [], -np.inf
+    poses = [pose for _, pose in drive(twists)]
+    for scan, _ in drive(twists):
+        stamp = scan.stamp + late(scan.stamp)
+        place = min(stamp / PERIOD, len(poses) - 1.001)
+        odometry = interpolate(poses[int(place)], poses[int(place) + 1], place % 1)
+        if stamp <= last:
+            continue  # it comes out of order
+        last = stamp
+        before = punctuality.changed
+        punctuality.add(Scan(stamp, scan.bearings, scan.ranges, scan.robot_from_scan), odometry)
+        if punctuality.changed != before:
+            said.append((stamp, punctuality.habit))
+    return said
+
+
+@pytest.mark.parametrize("begins", [0.3, 5.6, 5.9])
+@pytest.mark.parametrize("late", [CHANGE + 0.02, 0.09, 0.15])
+def test_pictures_that_come_later_all_at_once_are_known_within_half_a_second(
+    begins: float, late: float
+) -> None:
+    """Tape is in sight at these times."""
+    said = heard(CIRCLE, lambda stamp: late if stamp > begins else 0.0)
+    assert [habit for _, habit in said] == [Habit.LATER]
+    assert begins < said[0][0] < begins + 0.5 + late
+
+
+def test_pictures_that_come_late_by_turns_are_known_for_it() -> None:
+    rng = np.random.default_rng(3)
+    said = heard(CIRCLE, lambda _: float(rng.choice([0.0, 0.06])))
+    assert Habit.BY_TURNS in [habit for stamp, habit in said if stamp < 4.0]
+
+
+@pytest.mark.parametrize("late", [0.0, 0.05, 0.15])
+def test_at_a_steady_speed_nobody_can_tell_that_all_pictures_are_late(late: float) -> None:
+    assert not heard(CIRCLE, lambda _: late)
+
+
+def test_punctual_pictures_are_punctual_however_the_robot_turns() -> None:
+    assert not heard([*BENDS, *BENDS[::-1]], lambda _: 0.0)
+
+
+@pytest.mark.parametrize("share", [0.7, 0.85, 1.15])
+def test_wheels_that_slip_for_a_second_are_no_late_pictures(share: float) -> None:
+    punctuality, odometry = Punctuality(), Pose2()
+    for (scan, pose), (_, after) in pairwise(drive(CIRCLE)):
+        punctuality.add(scan, odometry)
+        step = pose.inverse() @ after
+        slips = share if 2.0 < scan.stamp < 3.0 else 1.0
+        odometry = odometry @ Pose2(step.x / slips, step.y / slips, step.theta / slips)
+    assert punctuality.habit is Habit.PUNCTUAL
+
+
+def test_a_robot_that_stands_or_sees_nothing_tells_nothing() -> None:
+    punctuality = Punctuality()
+    for number in range(60):
+        bearings = np.linspace(-0.5, 0.5, 31)
+        ranges = np.full(31, np.inf if number % 2 else 0.4)
+        punctuality.add(Scan(number * PERIOD, bearings, ranges), Pose2())
+    assert punctuality.habit is Habit.PUNCTUAL
