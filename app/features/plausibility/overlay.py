@@ -23,12 +23,12 @@ def near_points(scan: Scan) -> Array:
     return points[np.hypot(points[:, 0], points[:, 1]) < REACH]
 
 
-def misfit(before: Array, now: Array) -> float:
+def misfit(before: Array, after: Array) -> float:
     """Return how far points (m, 2) are off the tape along others (n, 2) [m]."""
     starts, along = before[:-1], np.diff(before, axis=0)
     along[np.hypot(along[:, 0], along[:, 1]) > APART] = 0.0  # a point instead of an edge
     squared = np.maximum((along**2).sum(axis=1), 1e-12)
-    offsets = now[:, None] - starts
+    offsets = after[:, None] - starts
     part = np.clip((offsets * along).sum(axis=2) / squared, 0.0, 1.0)
     nearest = offsets - part[..., None] * along
     return float(np.quantile(np.sqrt((nearest**2).sum(axis=2).min(axis=1)), SHARE))
