@@ -31,13 +31,14 @@ class ClearedScans(AddedModels):
     def __init__(self) -> None:
         super().__init__()
         self._still = StillReturns()
-        self._until = -np.inf
+        self._seen = -np.inf
         self._stamp = 0.0
 
     @property
     def problems(self) -> Mapping[str, str | None]:
         """Whether something travels with the robot."""
-        return {"own_shadow": SAID if self._stamp < self._until else None}
+        since = self._stamp - self._seen  # a replay may be at an earlier time again
+        return {"own_shadow": SAID if 0 <= since < SHOWN else None}
 
     def cleared(self, scan: Scan, odometry: Pose2) -> Scan:
         """Return a scan with such returns hidden, and all behind them."""
@@ -46,7 +47,7 @@ class ClearedScans(AddedModels):
         if not still.any():
             return scan
         if np.count_nonzero(still) >= FEWEST:
-            self._until = scan.stamp + SHOWN
+            self._seen = scan.stamp
         hidden = np.tile([np.inf, -np.inf], (len(still), 1))
         if scan.hidden is not None:
             hidden = scan.hidden.copy()

@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 from robot.fields.field import Field
-from robot.fields.grid_field import load_ros_map
 from robot.hooks import FieldSource
 
 
@@ -16,6 +15,8 @@ def is_map_file(name: str) -> bool:
 
 def map_field(name: str) -> Field:
     """Return the field of a map's YAML."""
+    from robot.fields.grid_field import load_ros_map  # noqa: PLC0415 - few fields are
+
     return load_ros_map(Path(name))
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from floor_scans import LEFT, drive
 
 from app.features.plausibility.checks import SHOWN, STANDS, PlausibilityChecks
 from app.features.plausibility.companion import SAID, TOPIC, PlausibilityCompanion
@@ -37,6 +38,22 @@ def test_a_picture_that_stands_while_wheels_turn_tells_nothing_and_is_named() ->
         said = [alert.cause for alert in checks.alerts]
         assert said == ([Cause.FROZEN] if 2.0 <= seen.stamp < 44 * PERIOD + SHOWN else [])
         odometry = odometry @ AHEAD
+
+
+def test_in_a_replay_that_goes_back_nothing_is_said_that_is_not_yet_found() -> None:
+    checks, odometry = PlausibilityChecks(0.12), Pose2()
+    for number in (*range(30, 35), 1):
+        checks.cleared(scan(number, repeated=number in (33, 34)), odometry)
+        assert bool(checks.alerts) == (number in (33, 34))
+        odometry = odometry @ AHEAD
+
+
+def test_motors_that_turn_the_other_way_are_told_in_words() -> None:
+    checks = PlausibilityChecks(0.12)
+    for seen, pose in drive([LEFT] * 60, mirrored=True):
+        checks.cleared(seen, pose)
+    (alert,) = checks.alerts
+    assert alert.cause is Cause.MOTORS and "mirrored" in alert.text
 
 
 def test_a_robot_that_stands_may_see_the_same_again_and_again() -> None:
