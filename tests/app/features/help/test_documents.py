@@ -98,7 +98,7 @@ def test_an_installed_program_has_page_fields_documents_and_features_with_it(tmp
         "from app.settings.config import DOCS, FRONTEND, MAPS; "
         "print(*(each.name for each in find_features().active), FRONTEND / 'index.html', "
         "FRONTEND / 'features' / 'course' / 'learn.html', MAPS / 'square.svg', DOCS / 'page.md', "
-        "DOCS / 'pictures' / 'map.png', sep='\\n')"
+        "DOCS / 'pictures' / 'wide.png', sep='\\n')"
     )
     told = subprocess.run(
         [sys.executable, "-c", asked], cwd=tmp_path, check=True, text=True, capture_output=True,
