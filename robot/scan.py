@@ -37,8 +37,8 @@ class Scan:
     """(k, 2) from where to where [m] something else lies on each ray that may hide an edge: a shoe
     on the floor, for example. Without such a thing it is from inf to -inf; None means no ray has
     one."""
-    repeated: bool = False
-    """Whether its picture is the last one again, bit by bit, as no camera takes two."""
+    picture: int = 0
+    """Checksum of its picture, which no camera takes twice; 0 without noise, as it then may."""
 
     def within(self, low: float, high: float) -> Scan:
         """Return the same scan as a laser with this range would report it.

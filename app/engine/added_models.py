@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from types import MappingProxyType
+from typing import Any
 
 from app.settings.config import Config
 from robot.fields.field import Field
@@ -32,6 +33,9 @@ class ModelChoice:
 
 class AddedModels:
     """Models of a feature, none by default; the engine's thread calls all but ``running``."""
+
+    memory: Any = None
+    """What scans have left in it: a replay keeps copies, and puts them back."""
 
     def __init__(self, problems: Mapping[str, str | None] = MappingProxyType({})) -> None:
         """Offer nothing; ``problems`` say why."""

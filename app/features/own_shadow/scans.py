@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -25,29 +26,37 @@ SHOWN = 3.0
 """It is said for so long after it was last seen [s]."""
 
 
+@dataclass(slots=True)
+class _Memory:
+    still: StillReturns = field(default_factory=StillReturns)
+    seen: float = -math.inf
+    """Stamp at which something travelled with the robot [s]."""
+    stamp: float = 0.0
+
+
 class ClearedScans(AddedModels):
     """Offers no model: the program's own ones get scans without what travels with the robot."""
 
+    memory: _Memory
+
     def __init__(self) -> None:
         super().__init__()
-        self._still = StillReturns()
-        self._seen = -np.inf
-        self._stamp = 0.0
+        self.memory = _Memory()
 
     @property
     def problems(self) -> Mapping[str, str | None]:
         """Whether something travels with the robot."""
-        since = self._stamp - self._seen  # a replay may be at an earlier time again
-        return {"own_shadow": SAID if 0 <= since < SHOWN else None}
+        shown = self.memory.stamp < self.memory.seen + SHOWN
+        return {"own_shadow": SAID if shown else None}
 
     def cleared(self, scan: Scan, odometry: Pose2) -> Scan:
         """Return a scan with such returns hidden, and all behind them."""
-        still = self._still.find(scan, odometry)
-        self._stamp = scan.stamp
+        still = self.memory.still.find(scan, odometry)
+        self.memory.stamp = scan.stamp
         if not still.any():
             return scan
         if np.count_nonzero(still) >= FEWEST:
-            self._seen = scan.stamp
+            self.memory.seen = scan.stamp
         hidden = np.tile([np.inf, -np.inf], (len(still), 1))
         if scan.hidden is not None:
             hidden = scan.hidden.copy()
@@ -56,6 +65,6 @@ class ClearedScans(AddedModels):
         return replace(scan, ranges=np.where(still, np.inf, scan.ranges), hidden=hidden)
 
 
-def cleared_scans(config: Config, field: Field) -> list[ClearedScans]:
+def cleared_scans(config: Config, floor: Field) -> list[ClearedScans]:
     """Return what clears an engine's scans."""
     return [ClearedScans()]

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from app.engine.added_models import AddedModels
 from app.engine.robots import robot_spec
+from app.features.plausibility.displacement import Displacement
 from app.languages.marking import phrase
 from app.settings.config import Config
 from robot.fields.field import Field
 from robot.geometry import Pose2
-from robot.localization.estimate import Alert, Cause
+from robot.localization.estimate import Alert, Cause, State
 from robot.scan import Scan
 
 if TYPE_CHECKING:
@@ -36,8 +37,25 @@ DISPLACED = Alert(
 )
 
 
+@dataclass(slots=True)
+class _Memory:
+    motion: MotionChecks | None = None
+    """None until the robot moves."""
+    displacement: Displacement = field(default_factory=Displacement)
+    stamp: float = 0.0
+    frozen: float = -math.inf
+    displaced: float = -math.inf
+    """Stamps at which these were last found [s]."""
+    picture: int = 0
+    """Checksum of the newest picture."""
+    pictured: Pose2 | None = None
+    """Odometry when that was first seen; None before the first."""
+
+
 class PlausibilityChecks(AddedModels):
     """Offers no model: it looks at the scans that the program's own ones get."""
+
+    memory: _Memory
 
     def __init__(self, track: float) -> None:
         """Begin with nothing seen.
@@ -47,53 +65,51 @@ class PlausibilityChecks(AddedModels):
         """
         super().__init__()
         self._track = track
-        self._motion: MotionChecks | None = None
-        """None until the robot moves."""
-        self._stamp = 0.0
-        self._frozen = self._displaced = -math.inf
-        """Stamps at which these were last found [s]."""
-        self._pictured: Pose2 | None = None
-        """Odometry when the newest picture was first seen; None before the first."""
+        self.memory = _Memory()
 
     @property
     def alerts(self) -> tuple[Alert, ...]:
         """What cannot be true; nothing if all can."""
-        if self._is_shown(self._frozen):
+        memory = self.memory
+        if memory.stamp < memory.frozen + SHOWN:
             return (FROZEN,)
-        if self._is_shown(self._displaced):
+        if memory.stamp < memory.displaced + SHOWN:
             return (DISPLACED,)
-        return () if self._motion is None else self._motion.alerts(self._stamp)
+        return () if memory.motion is None else memory.motion.alerts(memory.stamp)
 
-    def _is_shown(self, stamp: float) -> bool:
-        return 0 <= self._stamp - stamp < SHOWN  # a replay may be at an earlier time again
+    def look_at_place(self, state: State, pose: Pose2, odometry: Pose2) -> None:
+        """Look whether the robot was found elsewhere than its wheels led; as ``Displacement``."""
+        if self.memory.displacement.was_displaced(state, pose, odometry):
+            self.memory.displaced = self.memory.stamp
 
-    def note_displaced(self) -> None:
-        """Note that the robot was found again, elsewhere than its wheels had led."""
-        self._displaced = self._stamp
+    def forget_place(self) -> None:
+        """Forget where the robot was, as somebody has put it elsewhere."""
+        self.memory.displacement = Displacement()
 
     def cleared(self, scan: Scan, odometry: Pose2) -> Scan:
         """Return a scan as it is, or one that sees nothing if its picture is an old one."""
-        self._stamp = scan.stamp
-        moved = self._pictured is not None and _moved(self._pictured, odometry)
-        if scan.repeated:
+        memory = self.memory
+        memory.stamp = scan.stamp
+        moved = memory.pictured is not None and _moved(memory.pictured, odometry)
+        if scan.picture and scan.picture == memory.picture:
             if not moved:
                 return scan
-            self._frozen = scan.stamp
+            memory.frozen = scan.stamp
             rays = len(scan.ranges)
             return replace(scan, ranges=np.full(rays, np.inf), sight=np.full((rays, 2), np.nan))
-        self._pictured = odometry
-        if self._motion is None and moved:
+        memory.picture, memory.pictured = scan.picture, odometry
+        if memory.motion is None and moved:
             from app.features.plausibility.motion_checks import (  # noqa: PLC0415 - robots stand first
                 MotionChecks,
             )
 
-            self._motion = MotionChecks(self._track)
-        if self._motion is not None:
-            self._motion.add(scan, odometry)
+            memory.motion = MotionChecks(self._track)
+        if memory.motion is not None:
+            memory.motion.add(scan, odometry)
         return scan
 
 
-def plausibility_checks(config: Config, field: Field) -> list[PlausibilityChecks]:
+def plausibility_checks(config: Config, floor: Field) -> list[PlausibilityChecks]:
     """Return what checks an engine's scans."""
     return [PlausibilityChecks(robot_spec(config).track)]
 

@@ -7,7 +7,6 @@ from collections.abc import Iterable
 
 from app.engine.controls import Controls
 from app.features.plausibility.checks import PlausibilityChecks
-from app.features.plausibility.displacement import Displacement
 from app.languages.marking import phrase
 from app.messages.commands import Command
 from app.settings.config import Config
@@ -31,7 +30,6 @@ class PlausibilityCompanion:
     shown = None
 
     def __init__(self) -> None:
-        self._displacement = Displacement()
         self._map_from_odom = Pose2()
         """Where somebody has put the robot, and that was told."""
         self._newest: tuple[Scan, Pose2] | None = None
@@ -49,17 +47,16 @@ class PlausibilityCompanion:
 
     def _look_at_place(self, controls: Controls) -> None:
         localization = controls.localization
-        if controls.map_from_odom != self._map_from_odom:
-            self._displacement, self._map_from_odom = Displacement(), controls.map_from_odom
         newest, belief = localization.newest, localization.belief
         if newest is self._newest or newest is None or belief is None:
             return
         self._newest, odometry = newest, newest[1]
-        state, pose = localization.integrity.state, belief.pose(odometry)
-        if self._displacement.was_displaced(state, pose, odometry):
-            for models in localization.added:
-                if isinstance(models, PlausibilityChecks):
-                    models.note_displaced()
+        for models in localization.added:
+            if isinstance(models, PlausibilityChecks):
+                if controls.map_from_odom != self._map_from_odom:
+                    models.forget_place()
+                models.look_at_place(localization.integrity.state, belief.pose(odometry), odometry)
+        self._map_from_odom = controls.map_from_odom
 
     def close(self) -> None:
         """Do nothing: there is no thread."""

@@ -194,7 +194,8 @@ class Timeline:
         else:
             state, in_use, place, self._recorded_estimate = kept.checkpoint.restore()
             self.engine.controls.restore(state)
-            for models, kept_models in zip(self._added, in_use, strict=True):
+            for models, (kept_models, memory) in zip(self._added, in_use, strict=True):
+                models.memory = memory
                 models.put_back(kept_models, state.localization.parameters)
             self.robot.go_to(place)
         self._pure = True
@@ -265,7 +266,7 @@ class Timeline:
             return
         try:
             state = self.engine.controls.state
-            in_use = [models.in_use for models in self._added]
+            in_use = [(models.in_use, models.memory) for models in self._added]
             kept = self._keeper.keep((state, in_use, self.robot.at, self._recorded_estimate))
         except CheckpointError as error:
             self._can_keep = False
