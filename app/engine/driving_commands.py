@@ -26,12 +26,12 @@ def _drive(tick: TickContext[DriveCommand]) -> None:
     tick.controls.driving.drive(twist, tick.controls.stamp)
 
 
-def _eight(tick: TickContext[FigureEightCommand]) -> None:
+def _figure_eight(tick: TickContext[FigureEightCommand]) -> None:
     command, controls = tick.command, tick.controls
     controls.driving.figure_eight(controls.stamp, command.speed, start=command.start)
 
 
-def _fits(command: FigureEightCommand, program: Program) -> None:
+def _check_figure_eight(command: FigureEightCommand, program: Program) -> None:
     """Refuse a figure-eight that would leave the field."""
     latest = program.engine.latest.get()
     # While the place is unknown, nobody can say whether the figure-eight fits.
@@ -57,7 +57,13 @@ def _stop(tick: TickContext[StopCommand]) -> None:
 
 COMMANDS = (
     CommandRow(DriveCommand, _drive, allowed=require_drivable, drives=True),
-    CommandRow(FigureEightCommand, _eight, allowed=require_drivable, check=_fits, drives=True),
+    CommandRow(
+        FigureEightCommand,
+        _figure_eight,
+        allowed=require_drivable,
+        check=_check_figure_eight,
+        drives=True,
+    ),
     CommandRow(StopCommand, _stop, urgent=True),
     # Whoever decides who drives takes it, and passes nothing on.
     CommandRow(TakeCommand, allowed=require_drivable),

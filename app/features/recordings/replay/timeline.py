@@ -118,6 +118,8 @@ class Timeline:
         self._added = engine.localization.added
         self._reloads = engine.controls.reloads
         self._keeper = CheckpointWriter([field, field.edges, *self._added])
+        self._memories = self._keeper.keep([models.memory for models in self._added])
+        """What the models of features remember before the first scan."""
 
     @property
     def log_ns(self) -> int:
@@ -231,6 +233,8 @@ class Timeline:
         self.robot.go_to(ReadPosition())
         fresh = self._begin(self._settings.changed, engine.localization.models.entries)
         engine.controls.restore(fresh.controls.state)
+        for models, memory in zip(self._added, self._memories.restore(), strict=True):
+            models.memory = memory
         self._recorded_estimate = None
 
     def _repeated(self, command: Command) -> tuple[Command, ...]:

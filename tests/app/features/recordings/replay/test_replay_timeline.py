@@ -6,6 +6,7 @@ from engine_runs import EIGHT, kinematic, run
 from recordings import record
 from replays import course_of, gist, go, recorded_eight, to_the_end
 
+from app.features.plausibility.checks import PlausibilityChecks
 from app.features.recordings.replay.timeline import Checkpoints
 from app.messages.commands import ResetCommand, SetParametersCommand, SetPoseCommand
 
@@ -69,6 +70,16 @@ def test_other_parameters_give_another_result(recording, straight, tmp_path):
     few = to_the_end(course_of(recording[0], filter_config=path))
     assert len(few[0].filter.cloud.weights) <= 60 < len(straight[0].filter.cloud.weights)
     assert few[-1].filter.parameters.filter.max_particles == 60
+
+
+@pytest.mark.slow
+def test_what_scans_have_left_in_features_is_that_of_the_time(recording):
+    timeline = course_of(recording[0])
+    (checks,) = (m for m in timeline.engine.localization.added if isinstance(m, PlausibilityChecks))
+    for seconds in (5.5, 0.0, 4.0, 1.0):
+        shown = go(timeline, seconds)
+        assert shown.stamp - 0.2 < checks.memory.stamp <= shown.stamp
+        assert (checks.memory.motion is None) == (seconds == 0.0)
 
 
 @pytest.mark.slow
