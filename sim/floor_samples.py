@@ -29,6 +29,7 @@ from sim.floor_kernels import (
     STRIP,
     TILE_ROWS,
     TILE_STRIPS,
+    affines_at,
     fill_even_strips,
     fill_uneven_strips,
 )
@@ -95,7 +96,7 @@ class FloorSamples:
         except IndexError:
             return (
                 np.empty((2, self._seen.spread.size), dtype=np.int32),
-                np.empty((2, self._seen.points[..., 0].size), dtype=np.float32),
+                np.empty((2, self._seen.points[0].size), dtype=np.float32),
             )
 
     def _look_up(self, samples: NDArray[np.float32], count: int) -> NDArray[np.uint8]:
@@ -121,7 +122,7 @@ class _Samples:
     """The samples of one camera, whatever floor it sees: s of them in each column, h rows."""
 
     points: NDArray[np.float32]
-    """(s, w, 2) on the floor, in the robot frame [m]."""
+    """(2, s, w) x and y on the floor, in the robot frame [m]."""
     times: Array
     """(s,) from the picture's stamp [s]."""
     counts: NDArray[np.intp]
@@ -179,7 +180,7 @@ def _bands(view: FloorView, exposure: float) -> list[_Band]:
 def _samples(
     view: FloorView, bands: list[_Band], exposure: float
 ) -> tuple[NDArray[np.float32], Array]:
-    """Return the samples' floor points (s, w, 2) [m] and times (s,) [s].
+    """Return the samples' floor points (2, s, w) [m] and times (s,) [s].
 
     The points are in the robot frame; the times count from the picture's stamp.
     """
@@ -194,7 +195,7 @@ def _samples(
         row_time = lens.readout * (row / (lens.height - 1) - 0.5)
         times.append((row_time + exposure * shuffled).ravel())
     v = np.concatenate(rows)
-    points = np.empty((len(v), lens.width, 2), dtype=np.float32)
+    points = np.empty((2, len(v), lens.width), dtype=np.float32)
     columns = np.arange(lens.width, dtype=np.float64)
     # In parts: on the way a point takes twenty times the memory that it takes at the end.
     for some in np.array_split(np.arange(len(v)), 64):
@@ -202,7 +203,7 @@ def _samples(
         floor = view.floor_points(pixels.reshape(-1, 2))
         # Above the horizon there is no floor: use a point so far away that it has the border's
         # tone.
-        points[some] = np.nan_to_num(floor, nan=1e6).reshape(len(some), lens.width, 2)
+        points[:, some] = np.nan_to_num(floor, nan=1e6).T.reshape(2, len(some), lens.width)
     return points, np.concatenate(times)
 
 
@@ -221,12 +222,8 @@ def _sample_affines(
     # Between nine moments of a picture the motion is straight to well under a micrometre.
     knots = np.linspace(times.min(), times.max(), 9)
     moments = [map_from_robot @ twist.integrate(float(t)) for t in knots]
-    affines = (pixel_from_map @ np.array([_homogeneous(pose) for pose in moments]))[:, :2]
-    between = np.empty((len(times), 2, 3), dtype=np.float32)
-    for row in range(2):
-        for column in range(3):
-            between[:, row, column] = np.interp(times, knots, affines[:, row, column])
-    return between
+    affines = pixel_from_map[:2] @ np.array([_homogeneous(pose) for pose in moments])
+    return affines_at(times, knots, affines)
 
 
 def _homogeneous(pose: Pose2) -> list[list[float]]:
@@ -239,10 +236,11 @@ def _centres(
     points: NDArray[np.float32], firsts: NDArray[np.intp], counts: NDArray[np.intp]
 ) -> NDArray[np.float32]:
     """Return the floor point of each strip's middle (h, strips, 2) [m]."""
-    starts = np.arange(0, points.shape[1], STRIP)
-    columns = (starts + np.minimum(starts + STRIP, points.shape[1])) // 2
-    middles: NDArray[np.float32] = points[firsts + counts // 2]
-    return middles[:, columns]
+    width = points.shape[2]
+    starts = np.arange(0, width, STRIP)
+    columns = (starts + np.minimum(starts + STRIP, width)) // 2
+    middles = points[:, firsts + counts // 2][..., columns]
+    return np.ascontiguousarray(np.moveaxis(middles, 0, -1))
 
 
 def _extent(
@@ -255,11 +253,11 @@ def _extent(
 
     Both are (h, strips) [m].
     """
-    width = points.shape[1]
+    width = points.shape[2]
     starts = np.arange(0, width, STRIP)
     spread, distance = np.empty((2, *centres.shape[:2]))
     for row, (first, count) in enumerate(zip(firsts, counts, strict=True)):
-        samples = points[first : first + count]
+        samples = np.moveaxis(points[:, first : first + count], 0, -1)
         centre = np.repeat(centres[row], STRIP, axis=0)[:width]
         from_centre = np.linalg.norm(samples - centre, axis=-1).max(axis=0)
         spread[row] = np.maximum.reduceat(from_centre, starts)

@@ -160,9 +160,7 @@ FUNCTIONS: tuple[Compiled, ...] = (
             uint8[:, ::1],
             int32[:, ::1],
             float32[:, ::1],
-            float32[:, :, ::1],
-            float32[:, :, :],
-            float32[:, :, ::1],
+            *[float32[:, :, ::1]] * 3,
             _I1,
             _I1,
             _F2,
@@ -211,6 +209,7 @@ FUNCTIONS: tuple[Compiled, ...] = (
         "robot.localization.hypotheses.coarse_grid._score",
         (_F2, _F1, _F1, _F1, float32[:, :, ::1], _TWO, float64, float64, float32[:, :, ::1]),
     ),
+    Compiled("sim.floor_kernels.affines_at", (_F1, _F1, _F3)),
     Compiled("sim.floor_kernels.fill_uneven_strips", (uint8[:, ::1], int32[:, :], uint8[::1], _I1)),
 )
 """A few quick ones come first, so that progress is seen at once; then the slowest, so that all

@@ -9,12 +9,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from app.engine.added_models import AddedModels
-from app.features.own_shadow.still_returns import FEWEST, SAME, StillReturns
 from app.languages.marking import phrase
 from app.settings.config import Config
 from robot.fields.field import Field
 from robot.geometry import Pose2
 from robot.scan import Scan
+from robot.scan_checks.still_returns import FEWEST, SAME, StillReturns
 
 SAID = phrase(
     "Something travels with the robot in its camera's view, as a cable or its own shadow does. "

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from app.features.plausibility.plug_check import PlugCheck, Plugs
-from app.features.plausibility.punctuality import Habit, Punctuality
 from app.languages.marking import phrase
 from robot.geometry import Pose2
 from robot.localization.estimate import Alert, Cause
 from robot.scan import Scan
+from robot.scan_checks.plug_check import PlugCheck, Plugs
+from robot.scan_checks.punctuality import Habit, Punctuality
 
 SHOWN = 3.0
 """That pictures come late is said for so long after it was last found [s]."""

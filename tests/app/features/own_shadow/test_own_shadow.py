@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from app.features.own_shadow.scans import SHOWN, ClearedScans
-from app.features.own_shadow.still_returns import FEWEST, GONE, SAME, StillReturns
 from robot.geometry import Array, Pose2, Twist2
 from robot.scan import Scan
+from robot.scan_checks.still_returns import FEWEST, GONE, SAME, StillReturns
 
 PERIOD = 1 / 15
 BEARINGS = np.radians(np.linspace(-40, 40, 91))

@@ -16,9 +16,9 @@ from enum import Enum
 
 import numpy as np
 
-from app.features.plausibility.overlay import FEWEST, misfit, near_points
 from robot.geometry import Array, Pose2, Twist2
 from robot.scan import Scan
+from robot.scan_checks.overlay import FEWEST, misfit, near_points
 
 STRIDE = 0.02
 """Tape is compared after each such way [m]."""
@@ -149,7 +149,7 @@ def _is_stride(before: _Seen, after: _Seen) -> bool:
 def _error(before: _Seen, after: _Seen, late: float) -> float:
     """Return how far the tape of a picture that is as late as this [s] is off that before [m]."""
     motion = before.taken_at(before.late).inverse() @ after.taken_at(late)
-    return misfit(before.points, motion.apply(after.points))
+    return misfit(before.points, motion, after.points)
 
 
 def _search(before: _Seen, after: _Seen) -> tuple[float, float]:

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from floor_scans import AHEAD, LEFT, PERIOD, RIGHT, drive
 
-from app.features.plausibility.punctuality import CHANGE, Habit, Punctuality
 from robot.geometry import Pose2, interpolate
 from robot.scan import Scan
+from robot.scan_checks.punctuality import CHANGE, Habit, Punctuality
 
 BENDS = [*[LEFT] * 40, *[AHEAD] * 20, *[RIGHT] * 40]
 CIRCLE = [LEFT] * 100

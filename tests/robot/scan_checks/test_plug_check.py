@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from floor_scans import AHEAD, CENTRE, LEFT, PERIOD, RIGHT, SPIN, drive
 
-from app.features.plausibility.plug_check import LONGEST, PlugCheck, Plugs
 from robot.geometry import Pose2, Twist2
 from robot.scan import Scan
+from robot.scan_checks.plug_check import LONGEST, PlugCheck, Plugs
 
 TRACK = 0.12
 BENDS = [*[LEFT] * 40, *[AHEAD] * 20, *[RIGHT] * 40]

@@ -13,9 +13,9 @@ from enum import Enum
 
 import numpy as np
 
-from app.features.plausibility.overlay import FEWEST, misfit, near_points
 from robot.geometry import Array, Pose2, Twist2
 from robot.scan import Scan
+from robot.scan_checks.overlay import FEWEST, misfit, near_points
 
 STRIDE = 0.02
 """Tape is compared after each such way of either wheel [m]."""
@@ -103,13 +103,13 @@ class PlugCheck:
         return motion
 
     def _compare(self, points: Array) -> None:
-        right = misfit(self._points, self._motion(Plugs.RIGHT).apply(points))
+        right = misfit(self._points, self._motion(Plugs.RIGHT), points)
         if right < LIES and not any(self._votes.values()):
             return  # as nearly always
-        errors = {plugs: misfit(self._points, self._motion(plugs).apply(points)) for plugs in WRONG}
+        errors = {plugs: misfit(self._points, self._motion(plugs), points) for plugs in WRONG}
         if min(right, *errors.values()) > LIES:
             return
-        other = min(right, misfit(self._points, points))  # it may stand on idle wheels
+        other = min(right, misfit(self._points, Pose2(), points))  # it may stand on idle wheels
         for plugs in WRONG:
             self._errors[plugs] += (errors[plugs] - self._errors[plugs]) / MOST
             if errors[plugs] < LIES and other > MISSES:

@@ -1,0 +1,1 @@
+"""What one scan after another tells: what travels along, plugs, and late pictures."""
