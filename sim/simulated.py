@@ -180,18 +180,22 @@ class SimulatedRobot:
 
     def read(self) -> Reading:
         """Advance by one period, or by ``RESTING_TICK``; return what the sensors measure then."""
-        frame = None
-        for _ in range(round(RESTING_TICK / PERIOD) if self.resting else 1):
-            self._advance()
-            frame = self._frame() or frame
+        self._advance()
+        frame = self._frame()
         turned = self._turned + self._world.positions
         positions, velocities = self._encoders.read(turned, self.stamp)
         self._wait(self.stamp)
         return Reading(self.stamp, positions, velocities, frame, None, self._world.pose)
 
     def _advance(self) -> None:
-        """Advance the world by one period."""
+        """Advance the world by one period; while it rests at once, as it stays where it is."""
         step_time = self._world.step_time
+        if self.resting:
+            periods = round(RESTING_TICK / PERIOD)
+            self._world.step(self._command, periods * self._steps)
+            self._tick += periods
+            self._remember()
+            return
         made = 0
         for step in range(1, self._steps + 1):
             since_tick = step * step_time

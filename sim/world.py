@@ -125,6 +125,8 @@ class KinematicWorld:
     def step(self, velocities: Array, steps: int = 1) -> None:
         """Advance at joint velocities (j,) [rad/s], clipped to the motors' limits."""
         self._velocities = np.array(limited(self._spec, velocities))
+        if not self._velocities.any():
+            return
         turned = self._velocities * self.step_time
         moved = self._drive.moved(turned)
         for _ in range(steps):
