@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import cv2
@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 from robot.fields.floor_picture import FloorPicture
 from robot.geometry import Array
+from sim.floor_camera import KINDS, CameraSettings
+from sim.floor_textures import add_texture
 
 DISCS = 25
 """Number of discs."""
@@ -33,10 +35,6 @@ PAIRS_OF_SHOES = 3
 DARK = 32
 """Brightness of things on the floor: as of the tape in maps/, #202225 [grey levels]."""
 
-TEXTURES = ("none", "wood", "lino", "carpet", "concrete")
-"""Kinds of floor, which ``floor_textures`` makes."""
-TONES = ("light", "dark")
-"""Whether a kind is its light one or its dark one."""
 _SHIFT = 4
 """Number of fractional bits in pixel coordinates for OpenCV."""
 REFLECTIONS = 4
@@ -153,7 +151,22 @@ CLUTTER: dict[str, Callable[[_Painter], None]] = {
 }
 """Kinds of clutter by name, in the order in which they are painted."""
 
-KINDS = ("none", *CLUTTER, "all")
+
+def disturbed(
+    floor: FloorPicture, settings: CameraSettings, streams: Sequence[np.random.Generator]
+) -> FloorPicture:
+    """Return a floor as a camera's settings say: of a texture, scaled, littered, and lit.
+
+    ``streams`` draw what is littered, and the places of the lamp and of reflections.
+    """
+    for_clutter, for_light, for_glare = streams
+    if settings.texture != "none":
+        # A child of a child: what is drawn of a texture changes no other stream.
+        for_texture = for_clutter.spawn(1)[0]
+        floor = add_texture(floor, settings.texture, settings.tone, for_texture)
+    littered = add_clutter(floor.scaled(settings.floor_scale), settings.clutter, for_clutter)
+    lit = add_uneven_light(littered, settings.uneven_light, for_light)
+    return add_glare(lit, settings.glare, for_glare)
 
 
 def add_clutter(floor: FloorPicture, kind: str, rng: np.random.Generator) -> FloorPicture:

@@ -13,11 +13,17 @@ from robot.camera import FloorView
 from robot.fields.field import FloorPicture
 from robot.geometry import Pose2, Twist2
 from robot.settings import check_settings, setting
-from sim.clutter import KINDS, TEXTURES, TONES, add_clutter, add_glare, add_uneven_light
 from sim.floor_samples import FloorSamples
 
 _NOISE_MARGIN = 64
 """How far the place in the table of noise is moved at random, by row and column [px]."""
+
+KINDS = ("none", "discs", "cable", "shadow", "shoes", "all")
+"""Kinds of things on the floor."""
+TEXTURES = ("none", "wood", "lino", "carpet", "concrete")
+"""Kinds of floor, which ``floor_textures`` makes."""
+TONES = ("light", "dark")
+"""Whether a kind is its light one or its dark one."""
 
 
 @dataclass(frozen=True)
@@ -84,6 +90,11 @@ class CameraSettings:
     def __post_init__(self) -> None:
         check_settings(self)
 
+    @property
+    def floor_as_drawn(self) -> bool:
+        """Whether nothing lies or shines on the floor, and it is of one tone."""
+        return self.clutter == self.texture == "none" and self.uneven_light == self.glare == 0
+
 
 class FloorCamera:
     """Takes pictures of one floor through one lens."""
@@ -96,16 +107,11 @@ class FloorCamera:
         rng: np.random.Generator,
     ) -> None:
         # Separate streams: noise is the same with and without clutter.
-        for_clutter, for_light, for_glare = rng.spawn(3)
-        if settings.texture != "none":
-            # A child of a child: what is drawn of a texture changes no other stream.
-            for_texture = for_clutter.spawn(1)[0]
-            # By name: most floors have none.
-            add_texture = resolve_name("sim.floor_textures:add_texture")
-            floor = add_texture(floor, settings.texture, settings.tone, for_texture)
-        littered = add_clutter(floor.scaled(settings.floor_scale), settings.clutter, for_clutter)
-        lit = add_uneven_light(littered, settings.uneven_light, for_light)
-        self._floor = add_glare(lit, settings.glare, for_glare)
+        streams = rng.spawn(3)
+        if settings.floor_as_drawn:
+            self._floor = floor.scaled(settings.floor_scale)
+        else:  # by name: few floors are
+            self._floor = resolve_name("sim.clutter:disturbed")(floor, settings, streams)
         self._settings = settings
         self._rng = rng
         self.turn(view)

@@ -19,8 +19,8 @@ MARGIN_PX = 2.0
 """Interpolation looks one pixel further than the sample; rounding takes the other."""
 
 BLOCK = 2
-"""Side of the blocks of the drawing for which the way to the next edge is kept [px]. Half and twice:
-1.51 and 1.78 ms a picture of *square*; with 2, 1.54 ms."""
+"""Side of the blocks of the drawing for which the way to the next edge is kept [px].
+Half and twice: 1.51 and 1.78 ms a picture of *square*; with 2, 1.54 ms."""
 
 
 @compiled()

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robot.fields.floor_picture import MAX_PIXELS, FloorPicture
-from sim.clutter import TEXTURES, TONES
+from sim.floor_camera import TEXTURES, TONES
 
 BRIGHTNESS = {
     "wood": (0.80, 0.42),

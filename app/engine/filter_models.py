@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 from app.engine.added_models import AddedModels
 from robot.fields.field import Field
 from robot.localization.filter import Setup
 from robot.localization.models.entry_field import EntryField
 from robot.localization.models.motion_models import MotionModel
-from robot.localization.models.sensor_models import SensorModel, sensor_model
+from robot.localization.models.sensor_models import SensorModel, SensorParameters, sensor_model
 from robot.localization.parameters import LocalizationParameters
 
 
@@ -19,6 +20,8 @@ class FilterModels:
     def __init__(self, field: Field, entries: EntryField | None = None) -> None:
         self.sensor: SensorModel
         """In use, since the first setup."""
+        self.usual = False
+        """Whether that is one of ours, with its usual parameters."""
         self._field = field
         self._entries = entries
 
@@ -46,8 +49,10 @@ class FilterModels:
                 max_distance=wanted.laser_likelihood_max_dist,
             )
         self.sensor = sensor_model(wanted, self.entries, self._field.edges)
+        self.usual = wanted == replace(SensorParameters(), laser_model_type=wanted.laser_model_type)
         motion: MotionModel = parameters.motion.model()
         for models in added:
             own_sensor, own_motion = models.in_use
             self.sensor, motion = own_sensor or self.sensor, own_motion or motion
+            self.usual = self.usual and own_sensor is None
         return Setup.of(self._field, self.entries, motion, self.sensor, parameters)

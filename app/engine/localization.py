@@ -92,9 +92,7 @@ class Localization(Follower):
         self.models = FilterModels(field, entries)
         """Of sensor and motion, and their table of distances."""
         setup = self._setup()
-        self._monitor = Monitor(
-            setup.evidence, CameraPosition.of(scanner.view), SteadyErrors.of(spec)
-        )
+        self._monitor = self._monitor_of(setup, spec)
         self.localizer = Localizer.of(make_filter(setup, rng), setup, self._monitor)
         if start:
             self._begin()
@@ -252,11 +250,7 @@ class Localization(Follower):
         self.scanner = self.scanner.seen_through(spec.floor_view)
         self.line_scan = None
         # What was found of the camera's and the wheels' errors was of the robot before.
-        self._monitor = Monitor(
-            self._setup().evidence,
-            CameraPosition.of(spec.floor_view),
-            SteadyErrors.of(spec),
-        )
+        self._monitor = self._monitor_of(self._setup(), spec)
         self.localizer.monitor = self._monitor
         self.earlier.clear()
         self.by_hand.restart(self.localizer)
@@ -312,7 +306,7 @@ class Localization(Follower):
         else:
             self.localizer.filter.use(setup)
         self.localizer.use(setup)
-        self._monitor.use(setup.evidence)
+        self._monitor.use(setup.evidence, model_suspected=not self.models.usual)
 
     def _make_added(self, *, fresh: bool) -> None:
         for models in self.added:
@@ -321,6 +315,14 @@ class Localization(Follower):
     def _believe(self, estimate: Estimate | None, pose: Pose2) -> None:
         if estimate is not None:
             self.belief = Belief(estimate, pose)
+
+    def _monitor_of(self, setup: Setup, spec: RobotSpec | None) -> Monitor:
+        return Monitor(
+            setup.evidence,
+            CameraPosition.of(self.scanner.view),
+            SteadyErrors.of(spec),
+            model_suspected=not self.models.usual,
+        )
 
     def _setup(self) -> Setup:
         return self.models.setup(self.parameters, self.added)

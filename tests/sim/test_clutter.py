@@ -7,10 +7,14 @@ import pytest
 from tape_trials import SQUARE, STILL, VIEW
 
 from robot.geometry import Pose2
-from sim.clutter import CLUTTER, KINDS, SHADOW, add_clutter
-from sim.floor_camera import CameraSettings, FloorCamera
+from sim.clutter import CLUTTER, SHADOW, add_clutter
+from sim.floor_camera import KINDS, CameraSettings, FloorCamera
 
 FLOOR = SQUARE.floor
+
+
+def test_settings_name_each_kind() -> None:
+    assert ("none", *CLUTTER, "all") == KINDS
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -8,8 +8,7 @@ import pytest
 from robot.description.spec import RobotSpec
 from robot.fields.floor_picture import FloorPicture
 from robot.geometry import Pose2, Twist2
-from sim.clutter import TEXTURES, TONES
-from sim.floor_camera import CameraSettings, FloorCamera
+from sim.floor_camera import TEXTURES, TONES, CameraSettings, FloorCamera
 from sim.floor_textures import AROUND_M, add_texture
 
 TAPE, BARE = 32, 213

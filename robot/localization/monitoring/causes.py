@@ -71,6 +71,8 @@ class Findings:
     """How long ago the robot was last stuck while its wheels turned [s]; inf if never."""
     fit_change: float
     """Change of a ray's log-likelihood by scans that moved the pose to a worse fit; at most 0."""
+    model_suspected: bool = True
+    """Whether the sensor model may be the cause: it is not ours, or its parameters are others."""
 
 
 class Causes:
@@ -110,6 +112,8 @@ class Causes:
 
 
 def _model(f: Findings) -> str:
+    if not f.model_suspected:
+        return ""
     flat = f.spread > FLAT and f.width > FLAT_WIDE and f.returned >= FLAT_RAYS
     if flat:
         return "this sensor model rates all poses alike"

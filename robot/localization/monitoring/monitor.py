@@ -87,15 +87,18 @@ class Monitor:
         evidence: RayEvidence,
         mounting: CameraPosition = LASER,
         errors: SteadyErrors = SteadyErrors(),
+        *,
+        model_suspected: bool = True,
     ) -> None:
         """Make a monitor of a robot of which nothing was seen yet.
 
         Args:
             evidence: judges how well scans fit.
             errors: how large the robot's steady errors may be.
+            model_suspected: as ``use`` takes it.
         """
         self._fit = FitCheck()
-        self.use(evidence)
+        self.use(evidence, model_suspected=model_suspected)
         self._mounting = mounting
         self._measured = np.diag(errors.measured**2)
         """Covariance (3, 3) of what a calibration leaves open, along the robot's axes."""
@@ -131,9 +134,15 @@ class Monitor:
         self._causes.forget()
         self.doubt = NO_DOUBT
 
-    def use(self, evidence: RayEvidence) -> None:
-        """Switch to the evidence of other parameters."""
-        self._evidence = evidence
+    def use(self, evidence: RayEvidence, *, model_suspected: bool = True) -> None:
+        """Switch to the evidence of other parameters.
+
+        Args:
+            evidence: judges how well scans fit.
+            model_suspected: whether the sensor model may be the cause of an error; one of ours with
+                its usual parameters is not.
+        """
+        self._evidence, self._model_suspected = evidence, model_suspected
         self._matcher = ScanMatcher(evidence.edge_index, evidence.range_max, LAID_SD, GATE, SLOPE)
 
     def compensate_lateness(self, hypothesis: Hypothesis) -> Hypothesis:
@@ -222,6 +231,7 @@ class Monitor:
             math.sqrt(hypothesis.covariance[0, 0] + hypothesis.covariance[1, 1]),
             scan.stamp - self._odometry.stuck_at,
             self._fit.change,
+            self._model_suspected,
         )
         self._causes.judge(findings)
         self._follow_tilt()

@@ -32,6 +32,7 @@ def findings(stamp: float, **found: Any) -> Findings:
         found.get("width", 0.002),
         found.get("stuck_for", math.inf),
         found.get("fit_change", 0.0),
+        found.get("model_suspected", True),
     )
 
 
@@ -74,6 +75,8 @@ def test_each_pattern_has_its_reason_with_its_size(
         {"spread": 1.0, "width": 0.05, "returned": FLAT_RAYS - 1},
         {"spread": 1.0, "width": 0.002},
         {"fit_change": -1.5},
+        {"fit_change": -2.5, "model_suspected": False},
+        {"spread": 1.0, "width": 0.05, "model_suspected": False},
     ],
     ids=str,
 )
