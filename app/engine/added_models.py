@@ -71,6 +71,11 @@ class AddedModels:
         """Reasons for doubt that it sees; those that the filter finds are their consequences."""
         return ()
 
+    @property
+    def lateness_doubted(self) -> bool:
+        """Whether the newest scan shows that pictures come later, or earlier, than before."""
+        return False
+
     def choose(self, choice: ModelChoice | None) -> None:
         """Choose models by name, None those of the start; ``make`` follows."""
 

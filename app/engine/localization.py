@@ -169,6 +169,8 @@ class Localization(Follower):
         """Update the filter with a scan, and the odometry's pose at its stamp."""
         for models in self.added:
             scan = models.cleared(scan, pose)
+            if models.lateness_doubted:
+                self._monitor.doubt_lateness()
         self.newest = scan, pose
         if self.by_hand.enabled:
             return

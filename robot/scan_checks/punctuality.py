@@ -72,6 +72,8 @@ class Punctuality:
         """How pictures came when their lateness last changed."""
         self.changed = -math.inf
         """When that was [s]."""
+        self.doubted = False
+        """Whether the newest picture seems later, or earlier, than those before."""
         self._late = 0.0
         """How late pictures usually are [s]."""
         self._last: tuple[float, Pose2] | None = None
@@ -86,6 +88,7 @@ class Punctuality:
 
     def add(self, scan: Scan, odometry: Pose2) -> None:
         """Add a scan, and odometry at its stamp."""
+        self.doubted = False
         last, self._last = self._last, (scan.stamp, odometry)
         elapsed = math.inf if last is None else scan.stamp - last[0]
         if last is None or not 0 < elapsed < LONGEST:
@@ -132,7 +135,7 @@ class Punctuality:
             self._pending, self._distrusted = None, after.stamp + DISTRUST
             self._swings.clear()
             return self._late
-        self._pending, self._fitting = late, 0
+        self._pending, self._fitting, self.doubted = late, 0, True
         self._swings.append((after.stamp, grown))
         while after.stamp - self._swings[0][0] > WITHIN:
             self._swings.popleft()

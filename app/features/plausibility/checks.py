@@ -77,6 +77,11 @@ class PlausibilityChecks(AddedModels):
             return (DISPLACED,)
         return () if memory.motion is None else memory.motion.alerts(memory.stamp)
 
+    @property
+    def lateness_doubted(self) -> bool:
+        """Whether the newest picture comes later, or earlier, than those before."""
+        return self.memory.motion is not None and self.memory.motion.lateness_doubted
+
     def look_at_place(self, state: State, pose: Pose2, odometry: Pose2) -> None:
         """Look whether the robot was found elsewhere than its wheels led; as ``Displacement``."""
         if self.memory.displacement.was_displaced(state, pose, odometry):

@@ -46,6 +46,11 @@ class MotionChecks:
         self._plugs.add(scan, odometry)
         self._punctuality.add(scan, odometry)
 
+    @property
+    def lateness_doubted(self) -> bool:
+        """Whether the newest picture comes later, or earlier, than those before."""
+        return self._plugs.plugs is Plugs.RIGHT and self._punctuality.doubted
+
     def alerts(self, stamp: float) -> tuple[Alert, ...]:
         """Return what is wrong at a stamp [s]; other plugs make pictures seem late, too."""
         plugs = self._plugs.plugs

@@ -48,6 +48,9 @@ found again after 1.3 s instead of 1.1; twice: nothing changes of robots that be
 one that knew its place is certain of another for 1.3 s (``--few``; *stub*, seed 9001). Half of
 JOLT_TURN: contradicted on a stretched floor only; twice: one that was carried to a place that looks
 the same is certain there for 1.3 s (*town*, seed 308)."""
+SWAY = 0.05
+"""Lateness of pictures, 1 sd, that is reckoned with while steps differ from odometry in heading
+only, now this way and now that [s]: some pictures may come late, or wheels slip as it turns."""
 TURN_SLIPS = 0.2
 """Share of a turn that slipping wheels explain, as long as wheels hardly slipped before. Half:
 nothing changes; twice: while pictures come 90 ms late all at once, 26 % are certain and wrong."""
@@ -113,8 +116,9 @@ class Monitor:
         self._seen = -math.inf
         """Stamp at which edges were last seen [s]."""
         self._slip = SlipCheck()
-        self._torn = self._slips = False
-        """Whether the steps of the pose do not agree with odometry, and whether it is slip."""
+        self._torn = self._slips = self._sways = False
+        """Whether the steps of the pose do not agree with odometry; whether it is slip; and whether
+        they differ in heading only, and do not last."""
         self.contradicted = False
         """Whether the newest pose is where neither odometry nor slipping wheels can have led."""
         self.doubt = NO_DOUBT
@@ -130,7 +134,8 @@ class Monitor:
         self._odometry.restart()
         self._fit.restart()
         self._slip.restart()
-        self._last, self._torn, self._slips, self.contradicted = None, False, False, False
+        self._last, self._torn, self._slips, self._sways = None, False, False, False
+        self.contradicted = False
         self._causes.forget()
         self.doubt = NO_DOUBT
 
@@ -152,6 +157,11 @@ class Monitor:
         return replace(
             hypothesis, pose=hypothesis.pose @ self._odometry.twist.integrate(self.lateness)
         )
+
+    def doubt_lateness(self) -> None:
+        """Let pictures be later or earlier than before, unless wheels that slip explain it."""
+        if not self._slips and self._odometry.agrees:
+            self._odometry.doubt_lateness()
 
     def corrected_step(self, moved: Pose2) -> Pose2:
         """Return a step by odometry, corrected by the apparent errors of the wheels."""
@@ -243,6 +253,7 @@ class Monitor:
         rest = findings.odometry.rest
         self._torn = float(rest.max()) > TORN
         self._slips = self._slip.explains(rest, TORN)
+        self._sways = self._torn and not self._slips and float(rest[:2].max()) < USUAL
         self.doubt = self._doubt(hypothesis.pose, findings)
 
     def watch(self, pose: Pose2, scan: Scan) -> bool:
@@ -327,12 +338,16 @@ class Monitor:
             unknown = HIDDEN * unknown
         if self._slips:
             unknown = unknown + self._slip.covariance
+        if self._sways:
+            late = pose.to_array() - (pose @ self._odometry.twist.integrate(-SWAY)).to_array()
+            late[2] = SWAY * self._odometry.twist.omega
+            unknown = unknown + np.outer(late, late)
         return Doubt(known, unknown, self._causes.alerts, self._agrees)
 
     @property
     def _agrees(self) -> bool:
-        """Whether the last scans fit, and steps agree with odometry or its wheels slip."""
-        return self._fit.fits and (self._slips or not self._torn)
+        """Whether the last scans fit, and it is known how far steps may differ from odometry."""
+        return self._fit.fits and (self._slips or self._sways or not self._torn)
 
 
 def _is_far(expected: Pose2, pose: Pose2) -> bool:

@@ -145,6 +145,11 @@ class OdometryCheck:
         """Whether the place has been followed for long enough for steps to be believed."""
         return self._followed >= SETTLING
 
+    @property
+    def agrees(self) -> bool:
+        """Whether wheels hardly slip: those that slip already may do so more, or less."""
+        return float(self.errors.rest.max()) <= AGREEING
+
     def jump(self) -> None:
         """Forget earlier poses, because no step leads from them to the next one."""
         self._steps.clear()
@@ -195,8 +200,8 @@ class OdometryCheck:
 
     def _may_be_late(self, before: _Step, after: _Step) -> bool:
         """Return whether pictures that come later or earlier all at once would explain a step."""
-        if self.errors.rest.max() > AGREEING:
-            return False  # wheels that slip already may do so more, or less
+        if not self.agrees:
+            return False
         moved = before.odometry.inverse() @ after.odometry
         offset = (moved.inverse() @ before.pose.inverse() @ after.pose).to_array()
         slid = np.diag((SLIDING * moved.to_array()) ** 2 + LEAST)

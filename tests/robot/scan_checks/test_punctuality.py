@@ -46,6 +46,20 @@ def test_pictures_that_come_later_all_at_once_are_known_within_half_a_second(
     assert begins < said[0][0] < begins + 0.5 + late
 
 
+@pytest.mark.parametrize("late", [0.05, 0.09, 0.15])
+def test_the_first_of_them_raises_doubt_before_anything_is_said(late: float) -> None:
+    punctuality, doubted = Punctuality(), []
+    poses = [pose for _, pose in drive(CIRCLE)]
+    for scan, pose in drive(CIRCLE):
+        behind = round(late / PERIOD) if scan.stamp > 5.6 else 0
+        then = poses[min(round(scan.stamp / PERIOD) + behind, len(poses) - 1)]
+        stamp = scan.stamp + behind * PERIOD
+        punctuality.add(Scan(stamp, scan.bearings, scan.ranges, scan.robot_from_scan), then)
+        if punctuality.doubted:
+            doubted.append(stamp)
+    assert 5.6 < doubted[0] < 5.6 + late + 0.25
+
+
 def test_pictures_that_come_late_by_turns_are_known_for_it() -> None:
     rng = np.random.default_rng(3)
     said = heard(CIRCLE, lambda _: float(rng.choice([0.0, 0.06])))
