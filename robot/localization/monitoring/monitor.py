@@ -50,7 +50,10 @@ JOLT_TURN: contradicted on a stretched floor only; twice: one that was carried t
 the same is certain there for 1.3 s (*town*, seed 308)."""
 SWAY = 0.05
 """Lateness of pictures, 1 sd, that is reckoned with while steps differ from odometry in heading
-only, now this way and now that [s]: some pictures may come late, or wheels slip as it turns."""
+only, now this way and now that [s]: some pictures may come late, or wheels slip as it turns. Half
+and twice: 99.5 and 98.8 % certain instead of 99.1 of a robot that drives to goals, and none
+misleads (``evaluate navigation --map town --seeds 1 --first-seed 7710 --goals 10``, which stood for
+0.25 s at each goal); with no bound at all 82.6 %."""
 TURN_SLIPS = 0.2
 """Share of a turn that slipping wheels explain, as long as wheels hardly slipped before. Half:
 nothing changes; twice: while pictures come 90 ms late all at once, 26 % are certain and wrong."""
