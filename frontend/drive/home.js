@@ -32,9 +32,11 @@ export class Home {
     this.#moves = mode !== "idle";
   }
 
-  async go() {
+  /** @param {{sd_xy?: number, sd_theta?: number}} known how well the filter is told to know the start [m, rad]; else as at the program's */
+  async go(known = {}) {
     if (!this.#field) return;
-    const { start, initial_sd_xy: sd_xy, initial_sd_theta: sd_theta } = this.#field;
+    const { start, initial_sd_xy, initial_sd_theta } = this.#field;
+    const { sd_xy = initial_sd_xy, sd_theta = initial_sd_theta } = known;
     // Whoever drives: what goes on would leave the start at once.
     if (this.#carried || this.#moves || this.drive.drives) {
       this.drive.letGo();

@@ -10,7 +10,7 @@ import { getJson } from "../../wire/http.js";
 /** Telemetry that is older than a start may still tell of the stop before it [ms]. */
 const SETTLED_MS = 1000;
 
-/** @typedef {Command | {type: "back_to_start"}} Wish what a button of a lesson asks for */
+/** @typedef {Command | {type: "back_to_start", sd_xy?: number, sd_theta?: number}} Wish what a button of a lesson asks for */
 
 /** What a lesson's buttons drive: a figure-eight is renewed until somebody stops or drives otherwise. */
 export class LessonDrive {
@@ -44,7 +44,7 @@ export class LessonDrive {
   async obey(wish) {
     if (wish.type === "back_to_start") {
       this.#home.setField(await getJson("api/field")); // another one may have been loaded
-      return this.#home.go();
+      return this.#home.go(wish);
     }
     // The next renewal of a figure-eight would end a journey, and be ended by it.
     if (wish.type === "stop" || wish.type === "navigate") this.#drive.letGo();
