@@ -15,6 +15,8 @@ from benchmarks.programs import CHROMIUM
 
 DROVE_S = 14.0
 """So long a figure-eight is driven before the pictures are taken [s]."""
+WAY_S = 0.7
+"""So long it drives before its filter is updated by hand [s]."""
 SEEN_MS = 10_000
 """After so long a view in 3D stands, drawn by software [ms]."""
 WIDE, LAPTOP, PHONE = (1600, 1000), (1280, 720), (390, 844)
@@ -29,11 +31,16 @@ PICTURES = {
     "present_laptop": (LAPTOP, "present", LIGHT),
     "camera": (LAPTOP, "simple", LIGHT),
     "help": (LAPTOP, "simple", LIGHT),
+    "ask": (LAPTOP, "simple", LIGHT),
+    "likelihood": (LAPTOP, "simple", LIGHT),
+    "by_hand": (LAPTOP, "simple", LIGHT),
     "dark": (WIDE, "drive", {"color_scheme": "dark"}),
     "forced": (WIDE, "drive", {"forced_colors": "active"}),
     "phone": (PHONE, None, TOUCH),
 }
 """Size of the window, ready layout, and what the browser asks for."""
+ASIDE_M = (0.032, -0.01)
+"""So far from the estimate a pose is asked what it expects, in x and y [m]."""
 
 
 def main(folder: str, *names: str) -> int:
@@ -55,7 +62,8 @@ def main(folder: str, *names: str) -> int:
                     for name, ((across, up), layout, _) in same.items():
                         page.set_viewport_size({"width": across, "height": up})
                         arrange(page, name, layout)
-                        save(page, name, Path(folder) / f"{name}.png")
+                        path = Path(folder) / f"{name}.png"
+                        by_hand(page, server, path) if name == "by_hand" else save(page, name, path)
         browser.close()
     return 0
 
@@ -83,6 +91,8 @@ def arrange(page: Page, name: str, layout: str | None) -> None:
         page.keyboard.press("Escape")
     if name == "help":
         page.locator("#help-open").click()
+    if name in ("ask", "likelihood"):
+        asked(page, shaded=name == "likelihood")
     if name == "camera":
         page.locator("[data-more-of=camera]").click()
         page.locator("#camera-profile").click()
@@ -92,11 +102,56 @@ def arrange(page: Page, name: str, layout: str | None) -> None:
     page.wait_for_timeout(SEEN_MS if layout in ("drive", "understand") else SEEN_MS / 10)
 
 
+def asked(page: Page, *, shaded: bool) -> None:
+    """Ask a pose beside the estimate, and one of its rays; shade the field if that is wanted."""
+    tool, box = page.locator("button[data-tool=ask]"), page.locator("#particles")
+    if tool.get_attribute("aria-pressed") != "true":
+        tool.click()
+    estimate = page.evaluate("window.brickpose.telemetry.estimate")
+    for place, (axis, aside) in enumerate(zip("xy", ASIDE_M, strict=True)):
+        field = box.get_by_role("textbox").nth(place)
+        field.fill(f"{1000 * (estimate[axis] + aside):.0f}")
+        field.press("Enter")
+    chart = box.get_by_role("application")
+    chart.focus()
+    for _ in range(60):
+        chart.press("ArrowRight")
+    if shaded:
+        box.get_by_role("button", name="show").click()
+
+
+def by_hand(page: Page, server: ServedProgram, path: Path) -> None:
+    """Show the three steps of an update beside each other, after a short way."""
+    with server.live() as live:
+        ask(live, type="set_parameters", values={"filter": "particles"})
+        ask(live, type="filter_by_hand", on=True)
+        end = until(live, lambda _: True)["stamp"] + WAY_S
+        while until(live, lambda _: True)["stamp"] < end:
+            ask(live, type="drive", v=0.15, omega=0.5)
+        ask(live, type="stop")
+        until(live, lambda now: now["mode"] == "idle")
+        pictures = []
+        for step in ("predict", "weigh", "resample"):
+            ask(live, type="filter_step", step=step)
+            page.wait_for_timeout(SEEN_MS / 5)
+            page.locator("#map").screenshot(path=path)
+            picture = cv2.imread(str(path))
+            assert picture is not None
+            pictures.append(picture)
+        ask(live, type="filter_by_hand", on=False)
+    pack(cv2.vconcat(pictures), path)
+
+
 def save(page: Page, name: str, path: Path) -> None:
-    (page.locator("#camera") if name == "camera" else page).screenshot(path=path)
-    # What a browser writes is packed for speed.
+    parts = {"camera": "#camera", "ask": "#map", "likelihood": "#map"}
+    (page.locator(parts[name]) if name in parts else page).screenshot(path=path)
     picture = cv2.imread(str(path))
     assert picture is not None
+    pack(picture, path)
+
+
+def pack(picture: Any, path: Path) -> None:
+    """Write a picture small; what a browser writes is packed for speed."""
     cv2.imwrite(str(path), picture, (cv2.IMWRITE_PNG_COMPRESSION, 9))
     print(path)
 
