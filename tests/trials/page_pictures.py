@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import cv2
+import numpy as np
 from browsing import SOFTWARE_GL, opened
 from playwright.sync_api import Page, sync_playwright
 from serving import ServedProgram, ask, serving, until
@@ -15,6 +16,13 @@ from benchmarks.programs import CHROMIUM
 
 DROVE_S = 14.0
 """So long a figure-eight is driven before the pictures are taken [s]."""
+WHERE = """() => {
+  const { x, y } = window.brickpose.telemetry.estimate;
+  return window.brickpose.mapPixel(x, y);
+}"""
+"""Where the robot is on the screen."""
+SIDE, ZOOMS = 480, 8
+"""Side of a picture of a step by hand [px], and turns of the wheel before it."""
 WAY_S = 0.7
 """So long it drives before its filter is updated by hand [s]."""
 SEEN_MS = 10_000
@@ -130,16 +138,26 @@ def by_hand(page: Page, server: ServedProgram, path: Path) -> None:
             ask(live, type="drive", v=0.15, omega=0.5)
         ask(live, type="stop")
         until(live, lambda now: now["mode"] == "idle")
+        # Zoomed, with the robot in the middle of the map.
+        page.locator("#map h2").dblclick()
+        page.locator("#particles").get_by_role("button", name="Close what particles say").click()
+        page.mouse.move(*page.evaluate(WHERE))
+        for _ in range(ZOOMS):
+            page.mouse.wheel(0, -100)
+            page.wait_for_timeout(SEEN_MS / 50)
         pictures = []
         for step in ("predict", "weigh", "resample"):
             ask(live, type="filter_step", step=step)
             page.wait_for_timeout(SEEN_MS / 5)
-            page.locator("#map").screenshot(path=path)
+            x, y = page.evaluate(WHERE)
+            clip = {"x": x - SIDE / 2, "y": y - SIDE / 2, "width": SIDE, "height": SIDE}
+            page.screenshot(path=path, clip=clip)
             picture = cv2.imread(str(path))
             assert picture is not None
             pictures.append(picture)
+            pictures.append(np.full((SIDE, 10, 3), 255, np.uint8))
         ask(live, type="filter_by_hand", on=False)
-    pack(cv2.vconcat(pictures), path)
+    pack(cv2.hconcat(pictures[:-1]), path)
 
 
 def save(page: Page, name: str, path: Path) -> None:

@@ -94,13 +94,6 @@ def configure(
         ]
 
 
-class _AllClients:
-    """Those of whom JupyterHub's page asks for no leave: the class's servers and services."""
-
-    def __contains__(self, _client: object) -> bool:
-        return True
-
-
 _CULLING = {
     "name": "culling",
     "scopes": ["list:users", "read:users:activity", "read:servers", "delete:servers"],
@@ -113,6 +106,13 @@ _WALL = {
     "scopes": ["list:users", "admin:users", "servers", "access:servers"],
     "services": ["wall"],
 }
+
+
+class _AllClients:
+    """Those of whom JupyterHub's page asks for no leave: the class's servers and services."""
+
+    def __contains__(self, _client: object) -> bool:
+        return True
 
 
 def _shared(folder: ClassFolder, port: int, robot: str, turn_min: float) -> dict[str, Any]:
