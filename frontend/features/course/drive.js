@@ -48,6 +48,8 @@ export class LessonDrive {
     }
     // The next renewal of a figure-eight would end a journey, and be ended by it.
     if (wish.type === "stop" || wish.type === "navigate") this.#drive.letGo();
+    // A press ends a stop that holds, from before another field, too.
+    if (wish.type === "navigate" && !(await this.order({ type: "take" }))) return;
     if (wish.type !== "figure_eight") return this.order(wish);
     await this.#eight.begin();
     this.#begun = performance.now();
