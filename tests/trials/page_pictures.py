@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 import cv2
-import numpy as np
 from browsing import SOFTWARE_GL, opened
 from playwright.sync_api import Page, sync_playwright
 from serving import ServedProgram, ask, serving, until
@@ -16,15 +15,6 @@ from benchmarks.programs import CHROMIUM
 
 DROVE_S = 14.0
 """So long a figure-eight is driven before the pictures are taken [s]."""
-WHERE = """() => {
-  const { x, y } = window.brickpose.telemetry.estimate;
-  return window.brickpose.mapPixel(x, y);
-}"""
-"""Where the robot is on the screen."""
-SIDE, ZOOMS = 480, 8
-"""Side of a picture of a step by hand [px], and turns of the wheel before it."""
-WAY_S = 0.7
-"""So long it drives before its filter is updated by hand [s]."""
 SEEN_MS = 10_000
 """After so long a view in 3D stands, drawn by software [ms]."""
 WIDE, LAPTOP, PHONE = (1600, 1000), (1280, 720), (390, 844)
@@ -41,7 +31,6 @@ PICTURES = {
     "help": (LAPTOP, "simple", LIGHT),
     "ask": (LAPTOP, "simple", LIGHT),
     "likelihood": (LAPTOP, "simple", LIGHT),
-    "by_hand": (LAPTOP, "simple", LIGHT),
     "dark": (WIDE, "drive", {"color_scheme": "dark"}),
     "forced": (WIDE, "drive", {"forced_colors": "active"}),
     "phone": (PHONE, None, TOUCH),
@@ -70,8 +59,7 @@ def main(folder: str, *names: str) -> int:
                     for name, ((across, up), layout, _) in same.items():
                         page.set_viewport_size({"width": across, "height": up})
                         arrange(page, name, layout)
-                        path = Path(folder) / f"{name}.png"
-                        by_hand(page, server, path) if name == "by_hand" else save(page, name, path)
+                        save(page, name, Path(folder) / f"{name}.png")
         browser.close()
     return 0
 
@@ -116,48 +104,15 @@ def asked(page: Page, *, shaded: bool) -> None:
     if tool.get_attribute("aria-pressed") != "true":
         tool.click()
     estimate = page.evaluate("window.brickpose.telemetry.estimate")
+    box.get_by_role("button", name="nearest to estimate").click()
+    box.get_by_role("application").wait_for()
     for place, (axis, aside) in enumerate(zip("xy", ASIDE_M, strict=True)):
         field = box.get_by_role("textbox").nth(place)
         field.fill(f"{1000 * (estimate[axis] + aside):.0f}")
         field.press("Enter")
-    chart = box.get_by_role("application")
-    chart.focus()
-    for _ in range(60):
-        chart.press("ArrowRight")
+    box.get_by_role("application").click()
     if shaded:
         box.get_by_role("button", name="show").click()
-
-
-def by_hand(page: Page, server: ServedProgram, path: Path) -> None:
-    """Show the three steps of an update beside each other, after a short way."""
-    with server.live() as live:
-        ask(live, type="set_parameters", values={"filter": "particles"})
-        ask(live, type="filter_by_hand", on=True)
-        end = until(live, lambda _: True)["stamp"] + WAY_S
-        while until(live, lambda _: True)["stamp"] < end:
-            ask(live, type="drive", v=0.15, omega=0.5)
-        ask(live, type="stop")
-        until(live, lambda now: now["mode"] == "idle")
-        # Zoomed, with the robot in the middle of the map.
-        page.locator("#map h2").dblclick()
-        page.locator("#particles").get_by_role("button", name="Close what particles say").click()
-        page.mouse.move(*page.evaluate(WHERE))
-        for _ in range(ZOOMS):
-            page.mouse.wheel(0, -100)
-            page.wait_for_timeout(SEEN_MS / 50)
-        pictures = []
-        for step in ("predict", "weigh", "resample"):
-            ask(live, type="filter_step", step=step)
-            page.wait_for_timeout(SEEN_MS / 5)
-            x, y = page.evaluate(WHERE)
-            clip = {"x": x - SIDE / 2, "y": y - SIDE / 2, "width": SIDE, "height": SIDE}
-            page.screenshot(path=path, clip=clip)
-            picture = cv2.imread(str(path))
-            assert picture is not None
-            pictures.append(picture)
-            pictures.append(np.full((SIDE, 10, 3), 255, np.uint8))
-        ask(live, type="filter_by_hand", on=False)
-    pack(cv2.hconcat(pictures[:-1]), path)
 
 
 def save(page: Page, name: str, path: Path) -> None:
@@ -165,11 +120,7 @@ def save(page: Page, name: str, path: Path) -> None:
     (page.locator(parts[name]) if name in parts else page).screenshot(path=path)
     picture = cv2.imread(str(path))
     assert picture is not None
-    pack(picture, path)
-
-
-def pack(picture: Any, path: Path) -> None:
-    """Write a picture small; what a browser writes is packed for speed."""
+    # What a browser writes is packed for speed.
     cv2.imwrite(str(path), picture, (cv2.IMWRITE_PNG_COMPRESSION, 9))
     print(path)
 
