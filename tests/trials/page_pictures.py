@@ -67,6 +67,7 @@ def main(folder: str, *names: str) -> int:
 def drive(server: ServedProgram) -> None:
     """Drive a part of the figure-eight from the start, while the page looks."""
     with server.live() as live:
+        ask(live, type="take")  # a stop that ended the drive before holds
         ask(live, type="place", x=0.0, y=0.0, theta=0.0)
         ask(live, type="set_pose", x=0.0, y=0.0, theta=0.0)
         ask(live, type="figure_eight", start=True)
