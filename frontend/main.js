@@ -76,7 +76,8 @@ const tape = new TapeHealth();
 const history = new History();
 const drive = new DrivePanel(connection, order);
 drive.drive.onEnded((ended) => toasts.offer(endedWords(ended), t("go on"), ended.again));
-const home = new Home(order, toasts);
+const home = new Home(drive.drive, order, (words) => toasts.show(words, "note"));
+findButton("home").onclick = () => home.go();
 const fieldPanel = new FieldPanel(order, toasts);
 const calibration = new CalibrationPanel(drive.drive, order, connection);
 const camera = new CameraPanel(loop, drawn);
@@ -236,6 +237,7 @@ async function loadField(news) {
     const field = await getJson("api/field");
     const parts = [topBar, drive, home, problems, tape, camera, plots, fieldPanel];
     for (const part of parts) part.setField(field);
+    findButton("home").disabled = false;
     showFeatures(field.features);
     if (!known) view3d.setField(field);
     if (!known || floor === null) floor = await loadPicture("api/field.png");

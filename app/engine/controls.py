@@ -187,7 +187,8 @@ class Controls:
     def place(self, pose: Pose2, odometry: OdometryState) -> None:
         """Put the robot elsewhere; in a replay, the recorded robot was already put there."""
         if isinstance(self.robot, RepositionableRobot):
-            self.driving.stop()
+            if not (self.driving.programme and self.driving.programme.anywhere):
+                self.driving.stop()
             self.robot.place(pose)
         self.localization.earlier.clear()
         # Dead reckoning continues from the new pose: the wheels did not turn on the way there.

@@ -44,6 +44,8 @@ class Programme:
     """At a time after the start [s]."""
     length: float = math.inf
     """When it is over [s]."""
+    anywhere: bool = False
+    """Whether it goes on where the robot is put."""
 
 
 class Driving:

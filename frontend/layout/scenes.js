@@ -17,7 +17,7 @@ import { written } from "./layouts.js";
  * @property {string} field
  * @property {{file: string, position: number} | null} replay
  * @property {Place | null} truth where a simulated robot is put
- * @property {Place | "anywhere"} belief what the filter is told
+ * @property {(Place & {covariance?: number[]}) | "anywhere"} belief what the filter is told
  * @property {Record<string, number | string | boolean>} parameters that differ from those at the start
  * @property {boolean} hand whether the filter waits for steps by hand
  * @property {string} layout
@@ -115,7 +115,7 @@ export class Scenes {
       field: now.map,
       replay: now.replay ? { file: now.replay.file, position: now.replay.position_s } : null,
       truth: placeOf(now.truth),
-      belief: (known && placeOf(now.estimate)) || "anywhere",
+      belief: known && now.estimate ? { ...now.estimate } : "anywhere",
       parameters: Object.fromEntries(changed.map(({ name, value }) => [name, value])),
       hand: Boolean(now.filter.hand),
       layout: written(this.layout.tree),

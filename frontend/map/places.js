@@ -29,7 +29,7 @@ export function places({ particles: { hypotheses, alike, likely } }) {
 
 /**
  * Say in words how far the estimate can be relied on.
- * @param {Pick<TelemetryMessage, "integrity" | "particles" | "twist">} telemetry
+ * @param {Pick<TelemetryMessage, "filter" | "integrity" | "particles" | "twist">} telemetry
  * @returns {string}
  */
 export function certainty(telemetry) {
@@ -41,6 +41,8 @@ export function certainty(telemetry) {
   if (state === "approximate")
     return within ? t("about here, ± {bound}", { bound: within }) : t("about here, no bound");
   if (state === "ambiguous") return undecided(telemetry.particles);
+  // Then it compares nothing, however far it is driven.
+  if (telemetry.filter.paused || telemetry.filter.hand) return t("the filter waits");
   // A robot that stands still sees nothing new: it has to move to find its place.
   const { v, omega } = telemetry.twist;
   if (v === 0 && omega === 0)

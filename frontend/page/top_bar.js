@@ -2,19 +2,12 @@
 import { t, translated } from "./language.js";
 import { find, make, setText } from "./elements.js";
 import { distance, millimetres, minutes, plain } from "./format.js";
+import { modeWords } from "./modes.js";
 
 /** @typedef {import("../messages").TelemetryMessage} TelemetryMessage */
 /** @typedef {import("../messages").FieldMessage} FieldMessage */
 /** @typedef {import("../wire/connection.js").LinkState} LinkState */
 
-/** @type {Record<string, string>} */
-const MODES = {
-  idle: t("stopped"),
-  drive: t("driving"),
-  figure_eight: t("figure-eight"),
-  calibrate: t("calibrating"),
-  explore: t("exploring"),
-};
 const LINKS = { connecting: t("connecting"), lost: t("disconnected"), compiling: t("compiling") };
 
 /** The slim bar: the robot's name and state, and the few numbers that show whether all is well. */
@@ -47,7 +40,7 @@ export class TopBar {
     const estimate = particles.alike < 2 ? telemetry.estimate : null;
     setText(this.#name, translated(robot.name));
     this.#name.title = robot.engine === null ? "" : t("Physics by {engine}", { engine: robot.engine });
-    const mode = telemetry.replay ? t("replay") : (MODES[telemetry.mode] ?? telemetry.mode);
+    const mode = telemetry.replay ? t("replay") : modeWords(telemetry.mode);
     this.#enter(robot.connected ? mode : t("not ready"), robot.connected);
     setText(this.#field, telemetry.map);
     setText(this.#time, minutes(telemetry.stamp));

@@ -77,13 +77,16 @@ class FitQuality:
     @property
     def facts(self) -> tuple[str, ...]:
         """The same for each kind of result, in words for people."""
-        return (
+        facts = [
             "the adjustment converged" if self.converged else "the adjustment did not converge",
             f"what is left over is {self.residual:.2f} times as large as expected; neighbours are "
             f"alike by {self.correlation:.2f}",
-            f"overrun of what was known before: {', '.join(self.overrun) or 0}",
-            f"hardly observed: {', '.join(self.unobservable) or 0}",
-        )
+        ]
+        if self.overrun:
+            facts.append(f"overrun of what was known before: {', '.join(self.overrun)}")
+        if self.unobservable:
+            facts.append(f"hardly observed: {', '.join(self.unobservable)}")
+        return tuple(facts)
 
     @property
     def contradictions(self) -> tuple[str, ...]:

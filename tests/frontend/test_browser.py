@@ -1,5 +1,6 @@
 """The page in a real Chromium: driving, telling a pose, and stopping when the page goes away."""
 
+import json
 import math
 from collections import Counter
 from collections.abc import Iterator
@@ -73,6 +74,25 @@ class TestDriving:
         still = until(live, lambda now: now["mode"] == "idle")
         assert still["twist"]["v"] == 0
         assert until(live, lambda now: now["stamp"] > still["stamp"] + 0.6)["mode"] == "idle"
+
+    @pytest.mark.parametrize("name", ["Figure-eight", None])
+    def test_back_to_start_ends_what_drives(self, page, live, name):
+        """Of this page, whose next renewal would drive on, or of another program."""
+        if name:
+            page.get_by_role("button", name=name).click()
+
+        def drives(now) -> bool:
+            if not name:
+                live.send(json.dumps({"type": "figure_eight"}))
+            return now["mode"] == "figure_eight" and abs(now["truth"]["x"]) > 0.03
+
+        until(live, drives)
+        page.locator("#home").click()
+        still = until(live, lambda now: now["mode"] == "idle")
+        later = until(live, lambda now: now["stamp"] > still["stamp"] + 0.6)
+        assert later["mode"] == "idle"
+        assert math.hypot(later["truth"]["x"], later["truth"]["y"]) < 0.002
+        expect(page.locator("#figure-eight")).to_have_attribute("aria-pressed", "false")
 
     def test_the_joystick_drives(self, page, live):
         box = page.locator("#joystick").bounding_box()

@@ -174,6 +174,25 @@ def test_the_figure_eight_of_a_lesson_goes_on_until_it_is_stopped(browser, addre
     page.close()
 
 
+def test_a_lesson_puts_the_robot_itself_at_the_start_and_ends_what_it_drives(browser, address):
+    page = browser.new_page(locale="en-GB")
+    page.set_default_timeout(PATIENCE_MS)
+    page.goto(address.replace("/learn/3", "/learn/1"))
+    page.locator("#choices input").first.check()
+    page.get_by_role("button", name="Keep my prediction").click()
+    page.get_by_role("button", name="drive the figure-eight").click()
+    dashboard = page.frames[1]
+    dashboard.wait_for_function("Math.abs(window.brickpose?.telemetry?.truth?.x) > 0.05")
+    page.get_by_role("button", name="put it at the start").click()
+    dashboard.wait_for_function("brickpose.telemetry.mode === 'idle'")
+    before = dashboard.evaluate("brickpose.telemetry.stamp")
+    dashboard.wait_for_function("(stamp) => brickpose.telemetry.stamp > stamp + 1", arg=before)
+    truth = dashboard.evaluate("brickpose.telemetry.truth")
+    assert abs(truth["x"]) + abs(truth["y"]) < 0.002
+    expect(page.locator("#banner")).to_have_text("")
+    page.close()
+
+
 def test_a_link_of_another_site_puts_the_robot_nowhere_unasked(browser, address):
     page = browser.new_page(locale="en-GB")
     page.set_default_timeout(PATIENCE_MS)

@@ -65,6 +65,16 @@ FAULTS = """([layout, text, more]) => {
       if (across > 2 && down > 2) told(`lies on ${name(other)}`);
     });
   });
+  for (const more of document.querySelectorAll(".panel > header [data-more-of]")) {
+    const others = [...more.closest("header").querySelectorAll(".tools button, .tools a")]
+      .filter((other) => other !== more && seen(other));
+    const { top, bottom } = more.getBoundingClientRect();
+    const beside = others.some((other) => {
+      const o = other.getBoundingClientRect();
+      return o.top < bottom && o.bottom > top;
+    });
+    if (seen(more) && others.length > 0 && !beside) faults.add(`${where(more)}: more stands alone`);
+  }
   const texts = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
   const range = document.createRange();
   while (texts.nextNode()) {

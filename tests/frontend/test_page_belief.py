@@ -60,6 +60,9 @@ def test_it_says_when_it_is_certain_and_when_it_knows_nothing(page, live):
     until(live, lambda now: now["mode"] == "idle")
     ask(live, type="pause")
     page.get_by_role("button", name="scatter", exact=True).first.click()
+    # Paused, it compares nothing, however far it is driven.
+    expect(said).to_have_text("the filter waits")
+    ask(live, type="resume")
     expect(said).to_have_text("searching: drive a little")
 
 
@@ -100,7 +103,8 @@ def told(browser, server):
                 return claims.map(({ weights, v, ...integrity }) => {
                     const hypotheses = weights.map((weight) => ({ weight }));
                     const particles = { hypotheses, alike: integrity.alike };
-                    return certainty({ integrity, particles, twist: { v, omega: 0 } });
+                    const filter = { paused: false, hand: null };
+                    return certainty({ filter, integrity, particles, twist: { v, omega: 0 } });
                 });
             }""",
             [claim for claim, _ in CLAIMS],

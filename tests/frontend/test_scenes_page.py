@@ -71,6 +71,28 @@ def test_a_scene_is_kept_shown_again_and_shared(browser, server) -> None:
         expect(page.locator("#toasts")).to_contain_text("This link has no scene.")
 
 
+def test_a_scene_keeps_how_sure_the_filter_is(browser, server) -> None:
+    """Told with the spread of the program's start, a robot that was found would be lost again."""
+    for page in opened(browser, server, width=1366, height=768, view=False):
+        with server.live() as live:
+            ask(live, type="reset")
+            ask(live, type="place", x=0.1, y=0.1, theta=0.5)
+            ask(live, type="set_pose", x=0.1, y=0.1, theta=0.5, sd_xy=0.003, sd_theta=0.02)
+        sure = """() => {
+            const { estimate } = window.brickpose.telemetry;
+            return estimate && Math.abs(estimate.x - 0.1) < 0.02 && estimate.covariance[0] < 1e-4;
+        }"""
+        page.wait_for_function(sure)
+        page.locator("#layout-open").click()
+        page.locator("#scene-title").fill("found")
+        page.locator("#scene-keep").click()
+        page.keyboard.press("Escape")
+        page.get_by_role("button", name="scatter", exact=True).first.click()
+        page.wait_for_function(f"!({sure})()")
+        page.locator("#scenes").get_by_role("button", name="found", exact=True).click()
+        page.wait_for_function(sure)
+
+
 def test_a_projector_has_large_buttons_and_letters(browser, server) -> None:
     for page in opened(browser, server, width=1920, height=1080, view=False):
         page.locator("#layout-open").click()

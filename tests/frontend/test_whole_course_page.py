@@ -101,6 +101,8 @@ def _press(page: Page, button: Locator, asked: Asked) -> None:
         until_connected(page)
     else:
         button.click()
+    if wanted in ("figure_eight", "navigate"):  # a stop that is pressed before would refuse it
+        page.frames[1].wait_for_function(f"brickpose.telemetry.mode === '{wanted}'")
     expect(page.locator("#banner")).to_have_text("")
     assert asked.refused == [], wanted
 

@@ -29,11 +29,15 @@ PICTURES = {
     "present_laptop": (LAPTOP, "present", LIGHT),
     "camera": (LAPTOP, "simple", LIGHT),
     "help": (LAPTOP, "simple", LIGHT),
+    "ask": (LAPTOP, "simple", LIGHT),
+    "likelihood": (LAPTOP, "simple", LIGHT),
     "dark": (WIDE, "drive", {"color_scheme": "dark"}),
     "forced": (WIDE, "drive", {"forced_colors": "active"}),
     "phone": (PHONE, None, TOUCH),
 }
 """Size of the window, ready layout, and what the browser asks for."""
+ASIDE_M = (0.032, -0.01)
+"""So far from the estimate a pose is asked what it expects, in x and y [m]."""
 
 
 def main(folder: str, *names: str) -> int:
@@ -63,6 +67,7 @@ def main(folder: str, *names: str) -> int:
 def drive(server: ServedProgram) -> None:
     """Drive a part of the figure-eight from the start, while the page looks."""
     with server.live() as live:
+        ask(live, type="take")  # a stop that ended the drive before holds
         ask(live, type="place", x=0.0, y=0.0, theta=0.0)
         ask(live, type="set_pose", x=0.0, y=0.0, theta=0.0)
         ask(live, type="figure_eight", start=True)
@@ -83,6 +88,8 @@ def arrange(page: Page, name: str, layout: str | None) -> None:
         page.keyboard.press("Escape")
     if name == "help":
         page.locator("#help-open").click()
+    if name in ("ask", "likelihood"):
+        asked(page, shaded=name == "likelihood")
     if name == "camera":
         page.locator("[data-more-of=camera]").click()
         page.locator("#camera-profile").click()
@@ -92,11 +99,29 @@ def arrange(page: Page, name: str, layout: str | None) -> None:
     page.wait_for_timeout(SEEN_MS if layout in ("drive", "understand") else SEEN_MS / 10)
 
 
+def asked(page: Page, *, shaded: bool) -> None:
+    """Ask a pose beside the estimate, and one of its rays; shade the field if that is wanted."""
+    tool, box = page.locator("button[data-tool=ask]"), page.locator("#particles")
+    if tool.get_attribute("aria-pressed") != "true":
+        tool.click()
+    estimate = page.evaluate("window.brickpose.telemetry.estimate")
+    box.get_by_role("button", name="nearest to estimate").click()
+    box.get_by_role("application").wait_for()
+    for place, (axis, aside) in enumerate(zip("xy", ASIDE_M, strict=True)):
+        field = box.get_by_role("textbox").nth(place)
+        field.fill(f"{1000 * (estimate[axis] + aside):.0f}")
+        field.press("Enter")
+    box.get_by_role("application").click()
+    if shaded:
+        box.get_by_role("button", name="show").click()
+
+
 def save(page: Page, name: str, path: Path) -> None:
-    (page.locator("#camera") if name == "camera" else page).screenshot(path=path)
-    # What a browser writes is packed for speed.
+    parts = {"camera": "#camera", "ask": "#map", "likelihood": "#map"}
+    (page.locator(parts[name]) if name in parts else page).screenshot(path=path)
     picture = cv2.imread(str(path))
     assert picture is not None
+    # What a browser writes is packed for speed.
     cv2.imwrite(str(path), picture, (cv2.IMWRITE_PNG_COMPRESSION, 9))
     print(path)
 

@@ -21,6 +21,7 @@ from app.features.classroom.shared.queue_desk import QueueDesk
 from app.features.classroom.shared.turns import TurnQueue
 from app.features.classroom.sign_in import Sessions, SignIn
 from app.features.classroom.sleep import Sleeper
+from app.features.classroom.told_sockets import ToldSockets
 from app.features.classroom.warm.request import ENDED
 from app.features.course.learn_command import learn
 from app.operating_system import give_way
@@ -49,11 +50,21 @@ def serve_user(
         SettingError: no hub has started this.
     """
     hub = _as_the_hub_says(parsed)
-    sleeper = Sleeper()
+    sleeper, client, sessions = Sleeper(), HubClient(hub), Sessions()
+    # What the teacher ordered, and who is signed in, outlast a change of the field.
+    state = ClassState(ended=os.environ.get(ENDED, ""))
+
+    def gates(_config: Config) -> Iterator[NewGate]:
+        state.sockets = ToldSockets()  # those of the program before are closed
+        # Paths are decoded where they arrive.
+        own, path = hub.user, unquote(hub.prefix)
+        yield partial(ClassDesk, owner=own, prefix=path, state=state, sleeper=sleeper)
+        yield partial(SignIn, hub=client, sessions=sessions)
+
     desk = Feature(
         name="class",
         about="visitors sign in at the hub, and the teacher's wall has a say",
-        gates=(lambda _config: _gates(HubClient(hub), sleeper),),
+        gates=(gates,),
         routers=(lambda program: _watched(program, sleeper),),
         panels=_student_panels(),
     )
@@ -66,11 +77,11 @@ def serve_shared(
 ) -> int:
     """Serve a robot to a class, one driver after the other; else as ``serve_user``."""
     hub = _as_the_hub_says(parsed)
-    client, turns = HubClient(hub), TurnQueue(parsed.turn * 60)
+    client, turns, sessions = HubClient(hub), TurnQueue(parsed.turn * 60), Sessions()
 
     def gates(_config: Config) -> Iterator[NewGate]:
         yield partial(QueueDesk, prefix=unquote(hub.prefix), turns=turns)
-        yield partial(SignIn, hub=client, sessions=Sessions())
+        yield partial(SignIn, hub=client, sessions=sessions)
 
     desk = Feature(
         name="class",
@@ -100,12 +111,3 @@ def _watched(program: Program, sleeper: Sleeper) -> APIRouter:
     with suppress(OSError):  # without root nobody comes forward again
         give_way(SERVING_NICENESS)  # its process that drives was begun before
     return APIRouter()
-
-
-def _gates(hub: HubClient, sleeper: Sleeper) -> Iterator[NewGate]:
-    own = hub.environment
-    # Paths are decoded where they arrive.
-    path = unquote(own.prefix)
-    state = ClassState(ended=os.environ.get(ENDED, ""))
-    yield partial(ClassDesk, owner=own.user, prefix=path, state=state, sleeper=sleeper)
-    yield partial(SignIn, hub=hub, sessions=Sessions())

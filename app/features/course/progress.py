@@ -39,6 +39,15 @@ class Progress:
             self.begun.add(result.lesson)
         if result.passed:
             self.passed.add(result.lesson)
+        self._keep(before)
+
+    def open(self, lesson: int) -> None:
+        """Keep which lesson is on the page, as that is so before anything of it is checked."""
+        before = self.to_json()
+        self.lesson = lesson
+        self._keep(before)
+
+    def _keep(self, before: dict[str, Any]) -> None:
         if self.to_json() != before:
             with suppress(OSError), atomic_file(self._path) as unfinished:
                 unfinished.write_text(json.dumps(self.to_json()), encoding="utf-8")

@@ -68,11 +68,14 @@ def course_router(file: Path, folder: Path | None = None) -> APIRouter:
         return desk.progress.to_json()
 
     @router.get("/api/lessons/{number}", responses=NO_LESSON)
-    def lesson(number: int, request: Request) -> dict[str, Any]:
+    def lesson_text(number: int, request: Request) -> dict[str, Any]:
         """A lesson's text in the page's language, in sections of HTML."""
+        lesson, drives = _lesson(number, folder), role_in(request.scope) is Role.DRIVE
+        if drives:
+            desk.progress.open(number)
         # Who watches needs no path of this computer.
-        shown = file if role_in(request.scope) is Role.DRIVE else Path(file.name)
-        return _content(_lesson(number, folder), language_of(request), shown)
+        shown = file if drives else Path(file.name)
+        return _content(lesson, language_of(request), shown)
 
     @router.get("/api/lessons/{number}/picture.svg", response_class=Response,
                 responses=NO_LESSON | content("image/svg+xml"))  # fmt: skip

@@ -126,11 +126,12 @@ class DrawingWork:
 
     def _remark(self, drive: MappedDrive) -> str | None:
         """Return what is wrong with the current map; None if nothing is wrong."""
+        # What a push has done to the map is told again when it is finished.
+        if self._end_of_exploring is not None:
+            return self._end_of_exploring
         sketch = None if self._shown.now is None else self._shown.now.sketch
         if sketch is not None and sketch.moved_at is not None:
             return push_remark(sketch.moved_at, is_noise=True)
-        if self._end_of_exploring is not None:
-            return self._end_of_exploring
         unseen = drive.began + drive.seconds - drive.seen
         if unseen <= UNSEEN_S:
             return None

@@ -48,7 +48,7 @@ class Exploration:
             map_from_odom: where odometry began in it.
             cells: the same map, with the floor that was seen.
         """
-        if self._sent is not None and not any(item is self._sent for item in snapshot.commands):
+        if self._sent is not None and not any(item == self._sent for item in snapshot.commands):
             return
         self._sent = None
         if snapshot.mode != "explore" or self.done or snapshot.route is not None:

@@ -69,6 +69,7 @@ class Journey(Programme):
         return cls(
             MODE,
             helm.velocity,
+            anywhere=True,
             goals=goals,
             name=command.id,
             repeat=command.repeat,

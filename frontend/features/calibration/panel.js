@@ -89,10 +89,12 @@ export class CalibrationPanel {
       if (!drive.message) return seconds;
       return `${seconds} ${t("Not yet: {reason}.", { reason: translated(drive.message) })}`;
     }
-    if (drive?.state === "adjust") return t("The robot stands; what it saw is being adjusted.");
+    const measured = this.#known?.measured;
+    // What was found is told a moment before the robot has it.
+    const comes = drive?.state === "done" && !measured;
+    if (drive?.state === "adjust" || comes) return t("The robot stands; what it saw is being adjusted.");
     if (drive?.state === "failed")
       return `${sentence(drive.message ?? "")} ${t("Nothing was changed.")} ${HINT}`;
-    const measured = this.#known?.measured;
     if (!measured) return `${t("As described: this robot has not been calibrated.")} ${HINT}`;
     const about = [measured, drive?.message ?? ""].filter(Boolean).map(translated).join("; ");
     return sentence(t("Calibrated {measured}", { measured: about }));

@@ -21,9 +21,12 @@ export function panel(body) {
   banner.id = "class-banner";
   banner.setAttribute("role", "alert");
   Object.assign(banner.style, {
-    position: "fixed", inset: "0 0 auto", zIndex: "60", margin: "0", padding: "0.6rem 1rem",
+    position: "sticky", top: "0", flex: "none", zIndex: "60", margin: "0", padding: "0.6rem 1rem",
     background: "#ffd54a", color: "#000", font: "600 1.1rem system-ui", textAlign: "center",
   });
+  const page = shownPage();
+  // What sticks to the top of the page sticks below it: STOP stays in sight.
+  new ResizeObserver(() => page.documentElement.style.setProperty("--taken", `${banner.offsetHeight}px`)).observe(banner);
 
   /** @param {ClassState} state */
   function show({ frozen, message, lesson, hand, ended }) {
@@ -33,13 +36,13 @@ export function panel(body) {
       message,
       ended ? t("Your robot was ended and begun again: {reason}. Your files are as they were.", because) : "",
       lesson ? t("The teacher hands out:") : "",
-    ].filter(Boolean).join(" ");
+    ].filter(Boolean).join(" · ");
     if (banner.dataset.shown !== text + lesson) {
       banner.dataset.shown = text + lesson;
       banner.replaceChildren(text);
       if (lesson) banner.append(" ", linkTo(lesson));
     }
-    if (text && !banner.isConnected) document.body.append(banner);
+    if (text && !banner.isConnected) page.body.prepend(banner);
     if (!text) banner.remove();
     told.textContent = message;
     button.textContent = hand ? t("Take my hand down") : t("Raise my hand");
@@ -61,6 +64,14 @@ export function panel(body) {
   setInterval(ask, EVERY_MS);
   ask();
   return { show() {} };
+}
+
+/** The page that a student sees: this one, or the lesson that has it beside it or below. @returns {Document} */
+function shownPage() {
+  try {
+    if (/\/learn(\/\d+)?$/.test(parent.location.pathname)) return parent.document;
+  } catch {} // a page of another site has put this one into itself
+  return document;
 }
 
 /** @param {number} lesson */

@@ -34,7 +34,7 @@ const checks = new Checks(number, (passed, lines) => {
   editor.mark(lines);
 });
 const sections = new Sections(order);
-const drive = new LessonDrive(connection, order, (ended) => setText(banner, endedWords(ended)));
+const drive = new LessonDrive(connection, order, (ended) => setText(banner, endedWords(ended)), (words) => setText(banner, words));
 
 findButton("stop").onclick = () => drive.obey({ type: "stop" });
 document.addEventListener("click", (event) => {

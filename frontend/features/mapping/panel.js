@@ -95,15 +95,16 @@ export class MappingPanel {
     this.#save.hidden = this.#file.hidden = state !== "done";
     this.#remarks.hidden = this.#strokes.hidden = state !== "done";
     this.#doubted.hidden = state !== "done" || !this.#drawing?.contradictory;
-    setText(this.#state, this.#words(map, replay !== null));
+    setText(this.#state, this.#words(map, replay !== null, mode === "explore"));
   }
 
-  /** @param {MappingMessage | null} map @param {boolean} replayed */
-  #words(map, replayed) {
+  /** @param {MappingMessage | null} map @param {boolean} replayed @param {boolean} explores */
+  #words(map, replayed, explores) {
     if (replayed) return t("This is a recording; the command brickpose map draws its floor.");
     if (map?.state === "draw") {
       const seconds = t("Drawn from {seconds} s of driving.", { seconds: plain(map.seconds) });
-      return map.message ? `${seconds} ${sentence(map.message)}` : `${seconds} ${HINT}`;
+      if (map.message) return `${seconds} ${sentence(map.message)}`;
+      return `${seconds} ${explores ? t("The robot drives to what the map lacks, and says when nothing is left.") : HINT}`;
     }
     if (map?.state === "finish") return t("All of the drive is being adjusted.");
     if (map?.state === "failed") return `${t("There is no map: {reason}", { reason: sentence(map.message ?? "") })} ${HINT}`;

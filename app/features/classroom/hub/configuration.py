@@ -60,6 +60,8 @@ def configure(
     c.LinkAuthenticator.folder = folder
     c.Authenticator.allow_all = True  # whoever has a key
     c.Authenticator.admin_users = {TEACHER}
+    # A robot learns only who its visitor is: no page asks the teacher for leave, robot by robot.
+    c.JupyterHub.tornado_settings = {"oauth_no_confirm_list": _AllClients()}
     # Servers outlive the hub: kill -9 of the hub costs no student a drive.
     c.JupyterHub.cleanup_servers = False
     c.JupyterHub.proxy_class = f"{__package__}.lasting_proxy.LastingProxy"
@@ -104,6 +106,13 @@ _WALL = {
     "scopes": ["list:users", "admin:users", "servers", "access:servers"],
     "services": ["wall"],
 }
+
+
+class _AllClients:
+    """Those of whom JupyterHub's page asks for no leave: the class's servers and services."""
+
+    def __contains__(self, _client: object) -> bool:
+        return True
 
 
 def _shared(folder: ClassFolder, port: int, robot: str, turn_min: float) -> dict[str, Any]:

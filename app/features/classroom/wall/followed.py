@@ -16,6 +16,8 @@ import anyio.to_thread
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import WebSocketException
 
+from app.languages.marking import phrase
+
 RATE_HZ = 2
 """Telemetry of each student a second: thirty of them are sixty messages, a tenth of a core."""
 ANSWER_S = 5.0
@@ -23,10 +25,24 @@ SELDOM_S = 10.0
 """A server that sleeps is asked so seldom [s]: when it wakes, its telemetry says so. Asked each
 second, it would cost a third of what sleeping costs."""
 TAKEN_S = 120.0
-"""A recording that is handed out is read by each server first, thirty of them at once [s]."""
+"""A recording or a field that is handed out is read by each server first, thirty at once [s]."""
 LONGEST_WORDS = 2000
 AGAIN_S = 1.0
+NOT_THERE = phrase("the robot is not there")
+NO_ANSWER = phrase("the robot has not answered yet")
 OPENER = build_opener(ProxyHandler({}))  # the students' servers are near
+
+
+class _Ask:
+    """A command that waits for its answer."""
+
+    def __init__(self) -> None:
+        self.heard = anyio.Event()
+        self.refusal = NO_ANSWER
+
+    def hear(self, refusal: str) -> None:
+        self.refusal = refusal
+        self.heard.set()
 
 
 @dataclass
@@ -44,6 +60,9 @@ class FollowedServer:
     area: dict[str, Any] = field(default_factory=dict)
     """``/api/field`` of the newest field."""
     _socket: ClientConnection | None = None
+    _asks: dict[int, _Ask] = field(default_factory=dict)
+    """Commands that wait for their answer, by number."""
+    _number: int = 0
     _slept: dict[str, Any] = field(default_factory=dict)
     """The telemetry with which it was asleep, when it was asked last."""
     _asked: float = -math.inf
@@ -66,10 +85,14 @@ class FollowedServer:
                         message = json.loads(text)
                         if message["type"] == "telemetry":
                             self.telemetry = message
+                        elif message.get("id") in self._asks:
+                            self._asks[message["id"]].hear(message.get("message", ""))
             except (OSError, WebSocketException, ValueError):
                 pass
             finally:
                 self._socket, self.telemetry = None, {}
+                for ask in self._asks.values():
+                    ask.hear("")  # another field is loaded by another program
             await anyio.sleep(AGAIN_S)
 
     async def look(self) -> None:
@@ -86,15 +109,22 @@ class FollowedServer:
             self.area = await self.ask("api/field") or {}
             self.field_name = name if self.area else ""
 
-    async def send(self, **command: Any) -> bool:
-        """Send a command of the live socket; return whether the server is there."""
+    async def send(self, patience_s: float = ANSWER_S, **command: Any) -> str:
+        """Send a command of the live socket; return why it was refused, or nothing."""
         if self._socket is None:
-            return False
+            return NOT_THERE
+        self._number += 1
+        number, ask = self._number, _Ask()
+        self._asks[number] = ask
         try:
-            await self._socket.send(json.dumps(command))
+            await self._socket.send(json.dumps(command | {"id": number}))
+            with anyio.move_on_after(patience_s):
+                await ask.heard.wait()
         except WebSocketException:
-            return False
-        return True
+            return NOT_THERE
+        finally:
+            del self._asks[number]
+        return ask.refusal
 
     async def order(self, **order: Any) -> bool:
         """Give an order to the student's desk; return whether it was taken."""

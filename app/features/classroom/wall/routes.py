@@ -13,7 +13,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from app.features.classroom.class_desk import LONGEST_MESSAGE
 from app.features.classroom.shared.queue_desk import QueueWish
 from app.features.classroom.wall.collecting import Results
-from app.features.classroom.wall.followed import FollowedServer
+from app.features.classroom.wall.followed import TAKEN_S, FollowedServer
 from app.features.classroom.wall.wall import Wall
 from app.page.language import page
 from app.settings.config import FRONTEND
@@ -103,10 +103,12 @@ def orders_router(wall: Wall) -> APIRouter:
     async def place(asked: StartPlace) -> dict[str, Any]:
         pose = {"x": asked.x, "y": asked.y, "theta": asked.theta}
 
-        async def put(server: FollowedServer) -> bool:
-            await server.send(type="stop")
-            placed = await server.send(type="place", **pose)
-            return placed and await server.send(type="set_pose", **pose)
+        async def put(server: FollowedServer) -> str:
+            return (
+                await server.send(type="stop")
+                or await server.send(type="place", **pose)
+                or await server.send(type="set_pose", **pose)
+            )
 
         return await wall.of_each(asked.logins, put)
 
@@ -127,8 +129,8 @@ def handouts_router(wall: Wall) -> APIRouter:
 
     @router.post("/api/field")
     async def use_field(asked: UseField) -> dict[str, Any]:
-        async def change(server: FollowedServer) -> bool:
-            return await server.send(type="use_field", name=asked.name)
+        async def change(server: FollowedServer) -> str:
+            return await server.send(TAKEN_S, type="use_field", name=asked.name)
 
         return await wall.of_each(asked.logins, change)
 

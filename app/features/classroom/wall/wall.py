@@ -106,6 +106,7 @@ class Wall:
             "extent": server.area.get("extent"),
             "frozen": desk.get("frozen", False),
             "message": desk.get("message", ""),
+            "handed": desk.get("lesson", 0),
             "hand": desk.get("hand", False),
             "lesson": server.progress.get("lesson"),
             "passed": len(server.progress.get("passed", ())),

@@ -3,6 +3,7 @@
 
 import { DecimalField } from "../../../page/decimal.js";
 import { offerLanguages, t, tn, translated } from "../../../page/language.js";
+import { modeWords } from "../../../page/modes.js";
 
 const EVERY_MS = 1000;
 const RADIUS = 0.06;
@@ -17,7 +18,7 @@ const STATES = {
  * @typedef {{login: string, name: string, awake: boolean, pending: boolean, url?: string,
  *   map?: string, truth?: Pose | null, estimate?: Pose | null, mode?: string,
  *   integrity?: {state: string, radius: number | null} | null, extent?: number[] | null,
- *   frozen?: boolean, message?: string, hand?: boolean, asleep?: boolean,
+ *   frozen?: boolean, message?: string, handed?: number, hand?: boolean, asleep?: boolean,
  *   lesson?: number | null, passed?: number, begun?: number}} Tile
  * @typedef {{driver: string | null, waiting: string[], ended: boolean, seconds_left: number,
  *   url: string}} Queue
@@ -51,6 +52,15 @@ async function order(path, body = {}) {
   return answer?.ok ? answer : null;
 }
 
+/** Say how many robots have done something, and why others have not. @param {Response | null} answer why not, of each robot; empty of those that have @param {(done: number, all: number) => string} words */
+async function tellOfEach(answer, words) {
+  if (!answer?.ok) return;
+  /** @type {string[]} */
+  const refusals = Object.values(await answer.json());
+  const why = [...new Set(refusals.filter(Boolean))].map((each) => translated(each));
+  tell([words(refusals.filter((each) => !each).length, refusals.length), ...why].join(" "));
+}
+
 /** @param {Tile} tile */
 function words({ awake, pending, integrity, frozen: held, mode, asleep, lesson, passed, begun }) {
   if (!awake) return pending ? t("starting") : t("not here");
@@ -60,10 +70,11 @@ function words({ awake, pending, integrity, frozen: held, mode, asleep, lesson, 
   const marks = { lesson: lesson ?? 0, passed: passed ?? 0, begun: begun ?? 0 };
   return [
     state + bound,
-    mode === "idle" ? "" : translated(mode ?? ""),
+    !mode || mode === "idle" ? "" : modeWords(mode),
     asleep ? t("asleep") : "",
     held ? t("frozen") : "",
-    lesson ? t("lesson {lesson}: {passed} of {begun} passed", marks) : "",
+    lesson && !begun ? t("lesson {lesson}", marks) : "",
+    lesson && begun ? t("lesson {lesson}: {passed} of {begun} passed", marks) : "",
   ].filter(Boolean).join(", ");
 }
 
@@ -140,25 +151,49 @@ async function look() {
   frozen = awake.length > 0 && awake.every((tile) => tile.frozen);
   byId("freeze").setAttribute("aria-pressed", String(frozen));
   byId("freeze").textContent = frozen ? t("Let all go on") : t("Freeze all");
+  showStanding(awake);
   byId("summary").textContent = t("{here} of {all} are here", { here: awake.length, all: all.length });
 }
 
+/** Show what students' pages show until it is taken away. @param {Tile[]} awake */
+function showStanding(awake) {
+  const message = awake.find((tile) => tile.message)?.message ?? "";
+  const lesson = awake.find((tile) => tile.handed)?.handed ?? 0;
+  byId("said").hidden = !message;
+  byId("said-words").textContent = t("All read: {message}", { message });
+  byId("handed").hidden = !lesson;
+  byId("handed-words").textContent = t("Handed out: lesson {lesson}", { lesson });
+}
+
+/** @param {string} path @param {unknown} body */
+async function orderAndLook(path, body) {
+  const answer = await order(path, body);
+  await look();
+  return answer;
+}
+
+byId("said-away").onclick = () => orderAndLook("message", { text: "" });
+byId("handed-away").onclick = () => orderAndLook("lesson", { number: 0 });
 byId("freeze").onclick = async () => {
   await order("freeze", { frozen: !frozen });
   await look();
 };
 byId("start").onclick = () => order("start");
-byId("say").onsubmit = (/** @type {SubmitEvent} */ event) => {
+byId("say").onsubmit = async (/** @type {SubmitEvent} */ event) => {
   event.preventDefault();
-  order("message", { text: byId("say").elements.text.value });
+  const { text } = byId("say").elements;
+  if (await orderAndLook("message", { text: text.value })) text.value = "";
 };
-byId("place").onsubmit = (/** @type {SubmitEvent} */ event) => {
+byId("place").onsubmit = async (/** @type {SubmitEvent} */ event) => {
   event.preventDefault();
-  order("place", { x: place.x.value, y: place.y.value, theta: (place.theta.value * Math.PI) / 180 });
+  const pose = { x: place.x.value, y: place.y.value, theta: (place.theta.value * Math.PI) / 180 };
+  tellOfEach(await order("place", pose), (done, all) =>
+    tn("{count} robot stands there, of {all}.", "{count} robots stand there, of {all}.", done, { all }),
+  );
 };
 byId("lesson").onsubmit = (/** @type {SubmitEvent} */ event) => {
   event.preventDefault();
-  order("lesson", { number: Number(byId("lesson").elements.number.value) });
+  orderAndLook("lesson", { number: Number(byId("lesson").elements.number.value) });
 };
 byId("recording").onchange = async () => {
   const [file] = byId("recording").files;
@@ -167,16 +202,18 @@ byId("recording").onchange = async () => {
   const address = `api/recordings/${encodeURIComponent(file.name)}`;
   const answer = await fetch(address, { method: "PUT", body: file }).catch(() => null);
   byId("recording").value = "";
-  /** @type {string[]} Why a robot has not taken it; empty of those that have. */
-  const refusals = answer?.ok ? Object.values(await answer.json()) : [];
-  const count = refusals.filter((why) => !why).length;
-  const all = { all: refusals.length };
-  const words = tn("{count} robot has it now, of {all}.", "{count} robots have it now, of {all}.", count, all);
-  tell([words, ...new Set(refusals.filter(Boolean).map((why) => translated(why)))].join(" "));
+  if (!answer?.ok) tell(t("The wall does not answer."));
+  tellOfEach(answer, (done, all) =>
+    tn("{count} robot has it now, of {all}.", "{count} robots have it now, of {all}.", done, { all }),
+  );
 };
-byId("field").onsubmit = (/** @type {SubmitEvent} */ event) => {
+byId("field").onsubmit = async (/** @type {SubmitEvent} */ event) => {
   event.preventDefault();
-  order("field", { name: byId("field").elements.name.value });
+  const name = byId("field").elements.name.value;
+  tell(t("Handing out {name} …", { name }));
+  tellOfEach(await order("field", { name }), (done, all) =>
+    tn("{count} robot is on {name} now, of {all}.", "{count} robots are on {name} now, of {all}.", done, { all, name }),
+  );
 };
 byId("collect").onclick = async () => {
   byId("collect").disabled = true;

@@ -102,6 +102,48 @@ def test_a_lesson_is_handed_out_and_taken_back(wall, ada, juergen):
         expect(page.locator("#class-banner a")).to_have_count(0)
 
 
+def test_what_stands_is_told_on_the_wall_and_beside_lessons_and_outlasts_another_field(
+    wall, served, ada, juergen
+):
+    """On a phone the dashboard is below the lesson: words for all stand at the top of the page."""
+    wall.locator("#say input").fill("Look at the tape")
+    wall.locator("#say button").click()
+    expect(wall.locator("#said-words")).to_have_text("All read: Look at the tape")
+    expect(wall.locator("#say input")).to_have_value("")
+    lesson = ada.context.new_page()
+    lesson.set_viewport_size({"width": 390, "height": 844})
+    lesson.goto(f"{served.address}/user/ada-lovelace/learn/4")
+    expect(lesson.locator("#class-banner")).to_be_in_viewport()
+    expect(lesson.frame_locator("#dashboard").locator("#class-banner")).to_have_count(0)
+    expect(wall.locator("article[data-login=ada-lovelace]")).to_contain_text("lesson 4")
+    bar, told = (
+        ada.locator("header.bar").bounding_box(),
+        ada.locator("#class-banner").bounding_box(),
+    )
+    assert bar["y"] >= told["y"] + told["height"] - 1, "STOP stays in sight"
+    wall.locator("#field input").fill("nowhere")
+    wall.locator("#field button").click()
+    expect(wall.locator("#told")).to_contain_text("0 robots are on nowhere now, of 2. there is no")
+    wall.locator("#field input").fill("stub")
+    wall.locator("#field button").click()
+    expect(wall.locator("#told")).to_have_text("2 robots are on stub now, of 2.")
+    for page in (ada, juergen):
+        page.wait_for_function("window.brickpose?.connected && brickpose.telemetry.map === 'stub'")
+        expect(page.locator("#class-banner")).to_have_text("Look at the tape")
+    wall.locator("#said-away").click()
+    for page in (ada, juergen, lesson):
+        expect(page.locator("#class-banner")).to_have_count(0)
+    lesson.close()
+
+
+def test_the_teacher_watches_a_robot_by_one_press(wall):
+    with wall.context.expect_page() as opened:
+        wall.locator("article[data-login=ada-lovelace] a").click()
+    opened.value.wait_for_url("**/user/ada-lovelace/")
+    opened.value.wait_for_function("window.brickpose?.telemetry?.estimate")
+    opened.value.close()
+
+
 def test_a_recording_is_handed_out_to_both(wall, served, ada, juergen, tmp_path):
     made, *_ = record(kinematic(), tmp_path, 1.0)
     [file] = made.glob("*.mcap")

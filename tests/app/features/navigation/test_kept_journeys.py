@@ -10,8 +10,10 @@ from journeys import OTHER, PAGE, RENEW, JourneyBench, goal
 
 from app.engine.drivers import Drivers
 from app.features.navigation.commands import KEEPER
+from app.messages.commands import PlaceCommand
 from app.messages.driving_commands import StopCommand
 from robot.errors import CommandError
+from robot.geometry import Pose2
 
 ONCE = goal(0.3, 0.2, 1.0).model_copy(update={"renewed": False})
 LONGEST_S = 20.0
@@ -43,6 +45,22 @@ def test_a_goal_that_was_sent_once_is_renewed_until_somebody_stops_it(bench):
     bench.send(StopCommand(type="stop"), OTHER)
     bench.go(0.04, renew=False)
     assert not renewed(bench)
+
+
+def test_a_robot_that_is_put_off_its_way_goes_on_to_its_goal():
+    """As one that is carried off by hand: it notices, looks around, and plans anew."""
+    bench = JourneyBench(map="stub", seed=1)
+    try:
+        bench.send(goal(0.25, 0.2, 1.57))
+        bench.go(1.0)
+        bench.send(PlaceCommand(type="place", x=-0.2, y=0.2, theta=0.5))
+        bench.go(0.5)
+        assert bench.status.active
+        bench.go(60.0)
+        assert bench.status.state == "arrived"
+        assert bench.now.truth.distance_to(Pose2(0.25, 0.2, 1.57)) < 0.02
+    finally:
+        bench.close()
 
 
 def test_it_is_not_renewed_when_its_sender_has_left(bench):
