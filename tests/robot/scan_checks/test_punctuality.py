@@ -50,7 +50,7 @@ def test_pictures_that_come_later_all_at_once_are_known_within_half_a_second(
 def test_the_first_of_them_raises_doubt_before_anything_is_said(late: float) -> None:
     punctuality, doubted = Punctuality(), []
     poses = [pose for _, pose in drive(CIRCLE)]
-    for scan, pose in drive(CIRCLE):
+    for scan, _ in drive(CIRCLE):
         behind = round(late / PERIOD) if scan.stamp > 5.6 else 0
         then = poses[min(round(scan.stamp / PERIOD) + behind, len(poses) - 1)]
         stamp = scan.stamp + behind * PERIOD
