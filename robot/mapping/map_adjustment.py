@@ -38,7 +38,8 @@ was traced because the path was thought to be there, which says nothing of where
 numbers of this file: edges of three maps are off by 1.17 mm instead of 1.11; twice: by 1.08
 (``python -m benchmarks.constants``)."""
 SURE = 2.0
-"""If no unknown changes by more than this many of its deviations, the whole step is taken."""
+"""If no unknown changes by more than this many of its deviations, the whole step is taken. With 3,
+the map of a robot that was far off (generated-37106, 81005) was off by 41 mm instead of 6."""
 BEND_SD = 0.03
 """... and of how far a node lies off the middle of its neighbours, farther than it was traced [m]:
 few pictures may tell little of one node."""
