@@ -7,7 +7,7 @@ Gauss-Newton: the errors of edges, wheels and priors are written as normal equat
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -148,6 +148,7 @@ class Adjustment:
         if errors is None:
             errors = self._equations(state, weights, None).misses.pixels
         equations, converged = self._equations(state, weights, errors), False
+        changes: list[tuple[float, float]] = []
         for _ in range(most):
             try:
                 step, shared, covariance, pose_covariance = equations.solve()
@@ -156,25 +157,42 @@ class Adjustment:
             if not np.isfinite(step).all():
                 raise CalibrationError(UNSETTLED)
             before = equations
+            moves = float((np.abs(shared) / np.sqrt(np.diag(covariance))).max())
             # Far from the solution, a whole step may lead farther away.
             for part in PARTS:
                 moved = _moved(state, part * step, part * shared)
                 if (np.abs(moved.values) >= NO_ROBOT * PRIORS).any():
                     continue
                 equations = self._equations(moved, weights, before.misses.pixels)
-                if equations.cost <= before.cost:
+                change = self._change(before, equations, weights)
+                if self._takes(change, moves):
                     break
             if equations is before:
                 raise CalibrationError(UNSETTLED)
             state = moved
-            still = (np.abs(shared) / np.sqrt(np.diag(covariance))).max() < STILL
-            # An edge at the border of the gate may come and go for ever.
-            if still or abs(before.cost - equations.cost) < SAME_COST:
+            changes.append((part, change))
+            if moves < STILL or self._ends(changes):
                 converged = True
                 break
         share = len(equations.misses.residuals) / max(1, self._counting(equations.misses))
         seen, cost = equations.misses, equations.cost
         return Solution(state, covariance, pose_covariance, seen, cost, share, converged)
+
+    def _change(self, before: Equations, after: Equations, weights: Weights) -> float:
+        """Return by how much a step changed the cost."""
+        return after.cost - before.cost
+
+    def _takes(self, change: float, moves: float) -> bool:
+        """Return whether a step is taken that changes the cost.
+
+        It moves the unknowns by a number of their standard deviations at most.
+        """
+        return change <= 0
+
+    def _ends(self, changes: Sequence[tuple[float, float]]) -> bool:
+        """Return whether nothing changes any more; of each step its part, and the cost's change."""
+        # An edge at the border of the gate may come and go for ever.
+        return abs(changes[-1][1]) < SAME_COST
 
     def alone(
         self, solution: Solution, weights: Weights, by_others: Callable[[Misses], Array]
@@ -193,12 +211,13 @@ class Adjustment:
     def _equations(self, state: DriveEstimate, weights: Weights, errors: Array | None) -> Equations:
         sightings = self._sightings(state)
         equations = Equations(len(state.poses), COUNT + sightings.tape.unknowns)
+        equations.tape = sightings.tape
         twists = self._motion.twists(state.values, state.slip)
         seen = self._add_sightings(equations, sightings, twists, state, weights, errors)
         # An edge out of the gate costs as much as one at its border: else losing edges would pay.
         lost = self._counting(seen) - len(seen.residuals)
-        at_gate = weights.gate / (TYPICAL_SD * weights.doubt * CAUCHY)
-        equations.cost += lost * CAUCHY**2 * math.log1p(at_gate**2)
+        equations.lost_cost = lost * cost_at_gate(weights)
+        equations.cost += equations.lost_cost
         equations.add_pairs(*self._step_errors(state))
         equations.add_slip(state.slip, self._motion.stamps)
         equations.add_start(state.poses[0], self._start, self._start_information)
@@ -277,6 +296,12 @@ def step_sd(values: Array) -> Array:
     larger = 1 + values[[LEFT, RIGHT]].mean()
     sd: Array = STEP_SD * (larger, larger, 1)
     return sd
+
+
+def cost_at_gate(weights: Weights) -> float:
+    """Return what an edge costs at the border of the gate."""
+    at_gate = weights.gate / (TYPICAL_SD * weights.doubt * CAUCHY)
+    return CAUCHY**2 * math.log1p(at_gate**2)
 
 
 def _moved(state: DriveEstimate, step: Array, shared: Array) -> DriveEstimate:

@@ -49,6 +49,12 @@ class Misses:
     """(n, 2) by the pixel [1/px]."""
     near_ends: NDArray[np.int64] = field(repr=False)
     """(k,) how many more of each picture lie too near to an edge's end to count."""
+    sd: Array = field(repr=False)
+    """(n,) standard deviations of the distances [m]."""
+    sighting: NDArray[np.int64] = field(repr=False)
+    """(n,) which of all edges that were seen each is; those of a picture follow each other."""
+    points: Array = field(repr=False)
+    """(2 k r, 2) where all of these saw the floor, in the map [m]; nan without an edge."""
 
 
 def misses(seen: Sightings, floor: FloorPoints, poses: Array, values: Array, gate: float) -> Misses:
@@ -110,6 +116,9 @@ def misses(seen: Sightings, floor: FloorPoints, poses: Array, values: Array, gat
         ends[matched],
         by_pixel / sd[:, None],
         near_ends,
+        sd,
+        matched,
+        ends,
     )
 
 

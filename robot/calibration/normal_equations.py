@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from scipy.linalg import cho_solve_banded, cholesky_banded
 
 from robot.calibration.misses import Misses
+from robot.calibration.tape_edges import TapeEdges
 from robot.compiling import compiled
 from robot.description.unknowns import COUNT
 from robot.geometry import Array, wrap_angle
@@ -52,7 +53,11 @@ class Equations:
         self._right = np.zeros((count, STATE))
         self._robot_right = np.zeros(unknowns)
         self.cost = 0.0
+        self.lost_cost = 0.0
+        """Of that what edges cost that lie near none of the field's."""
         self.misses: Misses
+        self.tape: TapeEdges
+        """Which the misses are off."""
         self._root: Array
 
     def add_sightings(self, seen: Misses, doubt: float) -> None:

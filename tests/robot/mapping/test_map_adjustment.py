@@ -1,18 +1,25 @@
 """A long drive is adjusted in parts, which add up to the whole of it."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 from calibrations import SPEC, driven
-from mappings import WIDTH, eight, mapped
+from mappings import WIDTH, Tour, eight, errors_of, mapped
 
-from robot.calibration.adjustment import Weights
+from app.settings.config import MAPS
+from robot.calibration.adjustment import Adjustment, Weights
+from robot.calibration.normal_equations import Equations
 from robot.calibration.sightings import Sightings
 from robot.calibration.wheel_motion import WheelMotion
+from robot.fields.field_loading import load_field
 from robot.mapping import map_adjustment
 from robot.mapping.map_adjustment import DERIVATIVES, MapAdjustment
 from robot.mapping.mapper import LOOSE_SD, Mapper
+
+LONGEST_S = 300.0
+"""Of a tour [s]."""
 
 
 @pytest.mark.slow
@@ -40,3 +47,29 @@ def test_the_parts_of_a_drive_add_up(monkeypatch: pytest.MonkeyPatch) -> None:
     for name in vars(whole.misses):
         np.testing.assert_array_equal(getattr(whole.misses, name), getattr(parts.misses, name))
     assert all(not len(getattr(parts.misses, name)) for name in DERIVATIVES)
+
+
+@pytest.mark.slow
+def test_an_adjustment_does_not_stand_still_where_tape_ends(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Edges that passed the end of a stroke cost as much as any: it took 540 evaluations."""
+    evaluated = []
+
+    def counted(self: Adjustment, *given: Any) -> Equations:
+        evaluated.append(self)
+        return evaluate(self, *given)
+
+    evaluate = Adjustment._equations
+    monkeypatch.setattr(Adjustment, "_equations", counted)
+    name = "generated-37206"
+    taped = load_field(name, MAPS)
+    mapped.cache_clear()
+    drawn, poses = mapped(
+        name, 81206, "hand-built", LONGEST_S, calibrate=True, steer=Tour(taped, 2)
+    )
+    assert len(evaluated) < 300
+    assert drawn.fits
+    errors = errors_of(drawn, poses, taped)
+    assert errors.mean < 0.001
+    assert errors.covered > 0.99
