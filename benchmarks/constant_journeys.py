@@ -116,9 +116,9 @@ def tried(trials: list[JourneyTrial], other_numbers: int) -> dict[str, Any]:
     turned = [abs(math.remainder(each.pose.theta - each.goal.theta, math.tau)) for each in arrived]
     clearance = free.settings.clearance
     return {
-        "journey [s]": float(np.mean([each.stamp for each in arrived])),
-        "place off [mm]": 1e3 * float(np.mean(distances)),
-        "heading off [deg]": math.degrees(float(np.mean(turned))),
+        "journey [s]": _mean([each.stamp for each in arrived]),
+        "place off [mm]": 1e3 * _mean(distances),
+        "heading off [deg]": math.degrees(_mean(turned)),
         "off its way [mm]": 1e3 * float(np.mean([each.beside for each in drivers])),
         "nearer to walls [mm]": 1e3
         * float(np.mean([max(clearance - each.room, 0.0) for each in drivers])),
@@ -126,6 +126,11 @@ def tried(trials: list[JourneyTrial], other_numbers: int) -> dict[str, Any]:
         "not reached": sum(not each.arrived for each in drivers),
         "each": [zlib.crc32(each.pose.to_array().tobytes()) for each in drivers],
     }
+
+
+def _mean(values: list[float]) -> float:
+    """Return the mean; nan of none, as where no robot arrives."""
+    return float(np.mean(values)) if values else math.nan
 
 
 def _space() -> FreeSpace:
