@@ -111,7 +111,7 @@ def test_it_follows_the_tape_ahead_until_it_is_canceled(page, server):
     page.wait_for_function("""() => {
         const { truth, navigation } = window.brickpose.telemetry;
         const [away, along] = [Math.abs(truth.x), Math.abs(truth.y)].sort((a, b) => b - a);
-        return navigation.state === "driving" && Math.abs(away - 0.5) < 0.04 && along < 0.45;
+        return navigation?.state === "driving" && Math.abs(away - 0.5) < 0.04 && along < 0.45;
     }""")
     page.locator("#journey-cancel").click()
     expect(page.locator("#journey-text")).to_contain_text("canceled; somebody canceled it")
