@@ -149,7 +149,7 @@ class Controls:
         """Stop while the robot is not connected or a model is faulty; report all faults."""
         fault = self.follower.fault
         if not connected or fault is not None:
-            self.driving.stop()
+            self.driving.stop(fault or next(iter(faults), ""))
         self.problems.report_all("robot", self.stamp, faults)
         self.report("models", fault and phrase(f"The robot stands still: {fault}"))
         for topic, complaint in self.follower.complaints.items():

@@ -57,6 +57,8 @@ class Driving:
         self.mode: Mode = "idle"
         self.route: Way | None = None
         """The route that explores; None stands."""
+        self.halted = ""
+        """Why what drove last was stopped, in words for people; empty if somebody wanted it."""
         self._controller = controller
         self._timeout = timeout
         self._eight = eight or FigureEight()
@@ -136,8 +138,10 @@ class Driving:
             self.route = None
         self._renewed = stamp
 
-    def stop(self) -> None:
-        """Stand still at once."""
+    def stop(self, why: str = "") -> None:
+        """Stand still at once; ``why``, in words for people, if nobody wanted it."""
+        if self.mode != "idle":
+            self.halted = why
         self.mode = "idle"
         self._controller.stop()
 

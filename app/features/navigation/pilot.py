@@ -262,7 +262,7 @@ def _why(before: Journey, journey: Journey | None, controls: Controls) -> str:
     if journey is not None:
         return phrase("another goal took its place")
     if controls.driving.mode == "idle":
-        return phrase("the robot was stopped")
+        return controls.driving.halted or phrase("the robot was stopped")
     return phrase("somebody drives the robot otherwise")
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import threading
 from collections.abc import Iterator
+from dataclasses import replace
 
 import pytest
 from camera_sources import until
@@ -107,6 +108,26 @@ def test_a_robot_that_may_be_anywhere_looks_around_first_and_then_arrives():
     assert "waiting" in looked
     assert bench.status.state == "arrived"
     assert bench.now.truth.distance_to(Pose2(0.1, -0.15)) < 0.002
+
+
+def test_a_journey_that_a_fault_ends_names_it(bench, monkeypatch):
+    """A motor that did not turn for a moment ended it with: the robot was stopped."""
+    bench.send(FAR)
+    bench.go(1.0)
+    read, blocked = bench.program.robot.read, ("The motor on port A does not turn.",)
+    monkeypatch.setattr(
+        bench.program.robot, "read", lambda: replace(read(), connected=False, faults=blocked)
+    )
+    bench.go(0.1)
+    assert (bench.status.state, bench.status.reason) == ("canceled", *blocked)
+    monkeypatch.undo()
+    bench.go(0.1)
+    bench.send(FAR)
+    bench.go(1.0)
+    assert bench.status.state == "driving"
+    bench.send(StopCommand(type="stop"))
+    bench.go(0.1)
+    assert bench.status.reason == "the robot was stopped"
 
 
 def test_a_stop_ends_it_at_once_and_holds_for_all(bench):
