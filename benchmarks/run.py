@@ -31,7 +31,7 @@ from benchmarks import (
     worth,
 )
 from benchmarks import filter as particle_filter
-from benchmarks.hat import delay, driver, official_library, serial_line, wheels
+from benchmarks.hat import delay, driver, journeys, official_library, serial_line, wheels
 from benchmarks.lasers import laser, wean
 from benchmarks.pictures import lane
 from benchmarks.result import Result
@@ -49,6 +49,7 @@ BENCHMARKS: dict[str, Callable[[], Result]] = {
     "growth": growth.measure,
     "hostile_files": hostile_files.measure,
     "instructions": instructions.measure,
+    "journeys": journeys.measure,
     "lane": lane.measure,
     "laser": laser.measure,
     "loop": loop.measure,
@@ -80,6 +81,7 @@ LONG = (
     "growth",
     "hostile_files",
     "instructions",
+    "journeys",
     "lane",
     "long_maps",
     "mapping",

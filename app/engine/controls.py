@@ -146,10 +146,15 @@ class Controls:
             self.reloads += 1
 
     def stop_while_faulty(self, *, connected: bool, faults: tuple[str, ...]) -> None:
-        """Stop while the robot is not connected or a model is faulty; report all faults."""
+        """Stop while the robot is not connected or a model is faulty; report all faults.
+
+        What a fault explains ends the drive; where the robot only does not answer, it stands.
+        """
         fault = self.follower.fault
-        if not connected or fault is not None:
-            self.driving.stop(fault or next(iter(faults), ""))
+        if fault is not None or (faults and not connected):
+            self.driving.stop(fault or faults[0])
+        elif not connected:
+            self.driving.hold()
         self.problems.report_all("robot", self.stamp, faults)
         self.report("models", fault and phrase(f"The robot stands still: {fault}"))
         for topic, complaint in self.follower.complaints.items():

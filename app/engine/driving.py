@@ -68,6 +68,7 @@ class Driving:
         self._began = 0.0
         self._renewed = 0.0
         self._updated = 0.0
+        self._held = False
 
     @property
     def goal(self) -> Pose2 | None:
@@ -145,13 +146,21 @@ class Driving:
         self.mode = "idle"
         self._controller.stop()
 
+    def hold(self) -> None:
+        """Stand at this tick, as the robot does not answer; what drives goes on with the next."""
+        self._held = True
+
     def update(self, odometry: OdometryState) -> Twist2:
         """Return the twist to apply at a pose in the odom frame."""
         stamp = odometry.stamp
+        held, self._held = self._held, False
+        stands = held or self._lapsed(stamp)
         if programme := self.programme:
-            self._follow_programme(programme, stamp, not self._lapsed(stamp))
+            self._follow_programme(programme, stamp, not stands)
         elif self.mode == "explore":
-            self._follow_route(odometry)
+            self._follow_route(odometry, stands)
+        elif held:
+            self.stop()
         self._updated = stamp
         twist = self._controller.update(stamp)
         if not self._controller.active:
@@ -161,9 +170,9 @@ class Driving:
     def _lapsed(self, stamp: float) -> bool:
         return lapsed(stamp, self._renewed + self._timeout)
 
-    def _follow_route(self, odometry: OdometryState) -> None:
+    def _follow_route(self, odometry: OdometryState, stands: bool) -> None:
         """Follow the route; stand at its end, and while the command is not renewed."""
-        if self._lapsed(odometry.stamp):
+        if stands:
             if odometry.stamp - self._renewed < GAP_S:
                 self._controller.stop()
             else:

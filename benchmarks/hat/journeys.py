@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 import math
 import tempfile
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -54,18 +54,18 @@ def measure() -> Result:
     """Send twelve robots to five goals each, one robot after the other."""
     journeys = [each for seed in SEEDS for each in drive(seed)]
     arrived = [each for each in journeys if each.state == "arrived"]
-    errors = np.array([each.error for each in arrived])
+    result = Result(unit=f"of {len(journeys)} goals reached", brickpose=len(arrived))
+    if not arrived:
+        return result
+    errors = 1e3 * np.array([each.error for each in arrived])
     turns = np.degrees([each.turn for each in arrived])
-    return Result(
-        unit=f"of {len(journeys)} goals reached",
-        brickpose=len(arrived),
-        more={
-            "place, median [mm]": 1e3 * float(np.median(errors)),
-            "place, worst [mm]": 1e3 * float(errors.max()),
-            "heading, median [degree]": float(np.median(turns)),
-            "heading, worst [degree]": float(turns.max()),
-        },
-    )
+    figures = {
+        "place, median [mm]": np.median(errors),
+        "place, worst [mm]": errors.max(),
+        "heading, median [degree]": np.median(turns),
+        "heading, worst [degree]": turns.max(),
+    }
+    return replace(result, more={name: float(value) for name, value in figures.items()})
 
 
 def drive(seed: int, goals: int = GOALS) -> list[HatJourney]:
@@ -93,11 +93,14 @@ def _journey(
     asked = {"x": goal.x, "y": goal.y, "theta": goal.theta}
     socket.send(json.dumps({"type": "navigate", "poses": [asked]}))
     until(socket, _active, START_S)
-    shown = until(socket, lambda message: not _active(message), LONGEST_S)["navigation"]
-    _wait(socket, STANDS_S)
+    try:
+        until(socket, lambda message: not _active(message), LONGEST_S)
+    except TimeoutError:
+        socket.send(json.dumps({"type": "cancel"}))
+    shown = _wait(socket, STANDS_S)["navigation"]
     truth = Pose2(*hat.pose()[1])
     return HatJourney(
-        shown["state"], shown["reason"], truth.distance_to(goal), abs(truth.turn_to(goal))
+        shown["state"], shown["reason"] or "", truth.distance_to(goal), abs(truth.turn_to(goal))
     )
 
 
@@ -118,6 +121,6 @@ def drawn_goal(free: FreeSpace, start: Pose2, rng: np.random.Generator) -> Pose2
         return goal
 
 
-def _wait(socket: Connection, seconds: float) -> None:
+def _wait(socket: Connection, seconds: float) -> Telemetry:
     begin = telemetry(socket)["stamp"]
-    until(socket, lambda message: message["stamp"] >= begin + seconds)
+    return until(socket, lambda message: message["stamp"] >= begin + seconds)

@@ -43,6 +43,15 @@ HELD_TRAVEL = 5.0
 """A shaft is blocked if it stays on one degree for HELD_S [s] while it should have turned by
 HELD_TRAVEL [degree]."""
 
+STUCK_S = 0.05
+STUCK_TRAVEL = 1.5
+"""A shaft sticks if it stays on one degree for longer than STUCK_S [s] while it should have turned
+by more than STUCK_TRAVEL [degree]."""
+
+PUSH, MOST_PUSH = 0.1, 0.25
+"""A shaft that sticks gets so much more duty for each further degree that it should have turned,
+and so much at most: wheels that carry a robot stick more than a free motor."""
+
 GAP_S = 0.1
 """If no duty was computed for this long, or no sample came, the program or what is behind the port
 stood still: what the wheel did meanwhile is not known, and says nothing of a blocked wheel [s]."""
@@ -107,7 +116,7 @@ class SpeedLoop:
         ahead = wanted + self._gain * self._lag(wanted, current, track)
         kicked = current - self._began < KICK_S
         friction = self._kind.breakaway if kicked else self._kind.friction
-        push = math.copysign(friction, ahead) if abs(ahead) > STANDING else 0.0
+        push = math.copysign(friction + self._more(current), ahead) if abs(ahead) > STANDING else 0.0
         volts = 1.0 if supply_v is None else RAIL * max(supply_v, LOWEST_V) / NOMINAL_SUPPLY
         duty = (ahead / self._kind.free_speed + push) / volts
         self.duty = min(max(duty, -1.0), 1.0)
@@ -120,6 +129,12 @@ class SpeedLoop:
         self._seen, self._seen_at, self._travel = track.angle, current, 0.0
         self._heard_at = track.newest_stamp
         self._past.append((current, track.angle))
+
+    def _more(self, current: float) -> float:
+        """Return the duty that lets go a shaft that sticks; 0 while it turns."""
+        if current - self._seen_at <= STUCK_S:
+            return 0.0
+        return min(max(PUSH * (self._travel - STUCK_TRAVEL), 0.0), MOST_PUSH)
 
     def _lag(self, wanted: float, current: float, track: JointTrack) -> float:
         """Advance the model wheel; return how far the shaft is behind it [degree]."""

@@ -1,8 +1,11 @@
 """When a wheel that does not move is taken for blocked."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from benchmarks.hat.bricks import MEDIUM, Bricks
 from robot.description.wiring import KINDS
 from robot.hat.joint_track import JointTrack
 from robot.hat.speed_loop import (
@@ -10,10 +13,13 @@ from robot.hat.speed_loop import (
     HELD_TRAVEL,
     KICK_S,
     LARGEST_LAG,
+    MOST_PUSH,
     NOMINAL_SUPPLY,
     RAIL,
     SpeedLoop,
 )
+from sim.hat.motor_figures import MOTOR_FIGURES
+from sim.hat.plants import FreeMotors
 
 DT = 0.01
 
@@ -61,14 +67,34 @@ def test_a_wheel_that_stood_gets_more_duty_for_a_moment(way):
 
 
 @pytest.mark.parametrize("way", [-1, 1])
-def test_a_wheel_that_is_held_is_pushed_as_for_the_largest_lag_and_no_harder(way):
+def test_a_wheel_that_is_held_is_pushed_by_the_largest_lag_and_a_bit_more_and_no_harder(way):
     kind, gain, wanted = next(iter(KINDS.values())), 5.0, 300.0
     loop, track = SpeedLoop(kind, gain), JointTrack()
     duties = []
     for tick in range(100):
         track.report(tick * DT, 0, 0)
         duties.append(way * loop.update(way * wanted, tick * DT, track, 8.0))
-    pushed = ((wanted + gain * LARGEST_LAG) / kind.free_speed + kind.friction) / (
+    friction = kind.friction + MOST_PUSH
+    pushed = ((wanted + gain * LARGEST_LAG) / kind.free_speed + friction) / (
         RAIL * 8.0 / NOMINAL_SUPPLY
     )
     assert (max(duties), duties[-1]) == pytest.approx((pushed, pushed))
+
+
+@pytest.mark.parametrize("speed", [5, 9, 15, 25, 40, 80])
+@pytest.mark.parametrize(
+    ("friction", "breakaway"), [(1.0, 1.0), (1.1, 1.3), (1.5, 2.0), (2.0, 2.5)]
+)
+def test_a_slow_wheel_that_sticks_more_than_a_free_motor_turns(speed, friction, breakaway):
+    """It was taken for blocked, and a robot that crept to its goal never came there."""
+    free = MOTOR_FIGURES[MEDIUM]
+    loaded = replace(free, friction=friction * free.friction, breakaway=breakaway * free.breakaway)
+    bricks = Bricks(plants=FreeMotors({0: loaded, 1: loaded}))
+    bricks.until(bricks.ready)
+    bricks.wanted = np.radians([speed, -speed])
+    for _ in range(30):
+        rows = bricks.run(0.1)
+        assert bricks.ready()
+    turned, commanded = np.abs(rows[-1, 3:]), speed * 3.0
+    assert turned.min() > commanded - LARGEST_LAG
+    assert turned.max() < commanded + 3

@@ -130,6 +130,20 @@ def test_a_journey_that_a_fault_ends_names_it(bench, monkeypatch):
     assert bench.status.reason == "the robot was stopped"
 
 
+def test_a_journey_waits_for_a_robot_that_does_not_answer_for_a_moment(bench, monkeypatch):
+    bench.send(FAR)
+    bench.go(1.0)
+    read = bench.program.robot.read
+    monkeypatch.setattr(bench.program.robot, "read", lambda: replace(read(), connected=False))
+    bench.go(0.3)
+    assert bench.now.twist == Twist2()
+    assert bench.status.active
+    monkeypatch.undo()
+    bench.go(60)
+    assert bench.status.state == "arrived"
+    assert bench.now.truth.distance_to(Pose2(0.3, 0.2)) < 0.002
+
+
 def test_a_stop_ends_it_at_once_and_holds_for_all(bench):
     bench.send(FAR)
     bench.go(2.0)
