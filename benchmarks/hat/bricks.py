@@ -19,6 +19,7 @@ from robot.hat.start.firmware_image import FirmwareImage
 from sim.hat.emulated_board import EmulatedBoard
 from sim.hat.lego_motor import LegoMotor
 from sim.hat.plants import FreeMotor, FreeMotors
+from sim.hat_emulator.physics_wheels import PhysicsWheels, WheelMotor
 
 MEDIUM = 0x30
 DRIFTS = (0.004, -0.007, 0.002, -0.003)
@@ -37,7 +38,7 @@ class Bricks:
     """Types of the motors at ports A, B, ..."""
     wirings: Sequence[Wiring] | None = None
     """Joints of the driver; None: the wheels of the robot."""
-    plants: FreeMotors = field(default_factory=FreeMotors)
+    plants: FreeMotors | PhysicsWheels = field(default_factory=FreeMotors)
     warm: bool = True
     phase_ms: int = 3
     """Millisecond, within each 10 ms of the board's clock, at which the driver is called."""
@@ -71,7 +72,7 @@ class Bricks:
         """The board's clock [s]."""
         return self.emulated.now
 
-    def motor(self, port: int) -> FreeMotor:
+    def motor(self, port: int) -> FreeMotor | WheelMotor:
         """Return the motor at a port."""
         return self.plants.plant(port)
 
@@ -103,7 +104,7 @@ class Bricks:
 
     def robot(self, camera: Camera) -> BuildHat:
         """Return the whole robot; time passes while it waits for its next reading."""
-        return BuildHat(
+        return SteppedHat(
             self.spec, self.board, BricksWire(self), camera, lambda: self.now, self.wait
         )
 
@@ -140,6 +141,12 @@ class Bricks:
     def _send(self, data: bytes) -> None:
         self.sent += len(data)
         self.emulated.receive(data)
+
+
+class SteppedHat(BuildHat):
+    """The real robot's driver, whose time passes by steps only."""
+
+    in_real_time = False
 
 
 class BricksWire:

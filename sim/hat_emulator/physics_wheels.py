@@ -10,7 +10,7 @@ import numpy as np
 from robot.description.spec import RobotSpec
 from robot.description.wiring import PORTS
 from sim.hat.motor_figures import RAIL_V, SUPPLY_V, DeviceError, MotorFigures, figures_described
-from sim.hat.plants import FreeMotors, Plant
+from sim.hat.plants import FreeMotor, FreeMotors
 from sim.physics import PhysicsWorld
 
 BLOCKED = 100.0
@@ -127,7 +127,7 @@ class PhysicsWheels:
     def supply_v(self, volts: float) -> None:
         self._supply_v = self._free.supply_v = volts
 
-    def plant(self, port: int) -> Plant:
+    def plant(self, port: int) -> FreeMotor | WheelMotor:
         """Return the motor at a port.
 
         Raises:

@@ -289,6 +289,9 @@ class MultiHypothesisFilter:
     def _add_places(self, search: PlaceSearch) -> None:
         """Follow the places that a search has found."""
         p = self.setup.hypotheses
+        # What confirmed the place is no longer in the short map, which a row of places may fit.
+        if self._confirmation.standing is Standing.CONFIRMED and not search.whole:
+            self._priors = []
         # If the short map goes back to where the robot was lost or scattered, a place found now is
         # as likely as an earlier one that fits as well. But if the leading track is older than the
         # loss, and fits again, its place was not lost at all.

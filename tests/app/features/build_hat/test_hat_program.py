@@ -12,7 +12,6 @@ from serving import drive_until, serving, until
 from simulators import require_engine
 
 from app.command_line import main
-from benchmarks.hat import journeys
 from benchmarks.hat.emulated_hat import emulated_hat
 from benchmarks.hat.serial_line import SerialRun, drive
 from robot.description.spec import RobotSpec
@@ -142,17 +141,3 @@ def test_the_paper_s_recovery_through_the_serial_line():
 
 def has_recovered(run: SerialRun) -> bool:
     return run.seconds < 4.0 and run.error < min(0.002, run.odometry_error)
-
-
-@pytest.mark.real_time
-def test_it_goes_to_a_goal_over_the_serial_line():
-    """One robot and goal; ``brickpose bench journeys`` has sixty. Of three drives, as above."""
-    require_engine()
-    done = []
-    while len(done) < MOST_DRIVES and not any(map(is_there, done)):
-        done += journeys.drive(seed=100, goals=1)
-    assert any(map(is_there, done)), done
-
-
-def is_there(journey: journeys.HatJourney) -> bool:
-    return journey.state == "arrived" and journey.error < 0.002 and journey.turn < 0.02
