@@ -116,7 +116,7 @@ class SpeedLoop:
         ahead = wanted + self._gain * self._lag(wanted, current, track)
         kicked = current - self._began < KICK_S
         friction = self._kind.breakaway if kicked else self._kind.friction
-        push = math.copysign(friction + self._more(current), ahead) if abs(ahead) > STANDING else 0.0
+        push = math.copysign(friction + self._more, ahead) if abs(ahead) > STANDING else 0.0
         volts = 1.0 if supply_v is None else RAIL * max(supply_v, LOWEST_V) / NOMINAL_SUPPLY
         duty = (ahead / self._kind.free_speed + push) / volts
         self.duty = min(max(duty, -1.0), 1.0)
@@ -130,9 +130,10 @@ class SpeedLoop:
         self._heard_at = track.newest_stamp
         self._past.append((current, track.angle))
 
-    def _more(self, current: float) -> float:
-        """Return the duty that lets go a shaft that sticks; 0 while it turns."""
-        if current - self._seen_at <= STUCK_S:
+    @property
+    def _more(self) -> float:
+        """Duty that moves a shaft that sticks, by sample after sample; 0 while it turns."""
+        if self._heard_at - self._seen_at <= STUCK_S:
             return 0.0
         return min(max(PUSH * (self._travel - STUCK_TRAVEL), 0.0), MOST_PUSH)
 

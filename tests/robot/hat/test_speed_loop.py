@@ -81,6 +81,24 @@ def test_a_wheel_that_is_held_is_pushed_by_the_largest_lag_and_a_bit_more_and_no
     assert (max(duties), duties[-1]) == pytest.approx((pushed, pushed))
 
 
+def test_a_wheel_that_nobody_hears_of_is_not_pushed():
+    """It turns, as far as anybody knows: more duty would make it turn faster."""
+    kind = next(iter(KINDS.values()))
+    heard, quiet = (duties_after_a_second(kind, hears) for hears in (True, False))
+    assert max(quiet) <= heard[0] + 1e-9
+
+
+def duties_after_a_second(kind, hears):
+    """The next duties of a wheel that has turned as it should, if reports go on or end there."""
+    loop, track = SpeedLoop(kind, position_gain=0.0), JointTrack()
+    duties = []
+    for tick in range(120):
+        if hears or tick < 100:
+            track.report(tick * DT, 100.0, round(100 * tick * DT))
+        duties.append(loop.update(100.0, tick * DT, track, 8.0))
+    return duties[100:]
+
+
 @pytest.mark.parametrize("speed", [5, 9, 15, 25, 40, 80])
 @pytest.mark.parametrize(
     ("friction", "breakaway"), [(1.0, 1.0), (1.1, 1.3), (1.5, 2.0), (2.0, 2.5)]
