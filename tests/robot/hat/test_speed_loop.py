@@ -94,7 +94,7 @@ def duties_after_a_second(kind, hears):
     duties = []
     for tick in range(120):
         if hears or tick < 100:
-            track.report(tick * DT, 100.0, round(100 * tick * DT))
+            track.report(tick * DT, tick, (tick + 180) % 360 - 180)
         duties.append(loop.update(100.0, tick * DT, track, 8.0))
     return duties[100:]
 
