@@ -132,11 +132,11 @@ class BoardTrial:
         goal = self._drawn(rng)
         message = GoalMessage(x=goal.x, y=goal.y, theta=goal.theta)
         self.engine.commands.put(NavigateCommand(type="navigate", poses=[message]))
-        now = self.engine.step()
-        end = now.stamp + LONGEST_S
-        while now.stamp < end and self._status.active:
+        snapshot = self.engine.step()
+        end = snapshot.stamp + LONGEST_S
+        while snapshot.stamp < end and self._status.active:
             self.engine.commands.put(RENEWAL)
-            now = self.engine.step()
+            snapshot = self.engine.step()
         status = self._status
         if status.active:
             self.engine.commands.put(StopCommand(type="stop"))
