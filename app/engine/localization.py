@@ -20,7 +20,7 @@ from robot.geometry import Array, Pose2
 from robot.interface import Frame
 from robot.localization.estimate import Alert, Belief, Estimate, Hypothesis, Integrity
 from robot.localization.filter import Cloud, Setup
-from robot.localization.localizer import Localizer, make_filter, transfer_belief
+from robot.localization.localizer import Localizer, make_filter
 from robot.localization.models.entry_field import EntryField
 from robot.localization.monitoring.claims import propagate_claim
 from robot.localization.monitoring.monitor import Monitor
@@ -299,9 +299,7 @@ class Localization(Follower):
         setup = self._setup()
         if other:
             self.by_hand.switch(None)
-            self.localizer.filter = transfer_belief(
-                make_filter(setup, self._rng), self.localizer.filter
-            )
+            self.localizer.exchange(make_filter(setup, self._rng), setup)
             # The new filter may know less than the old one, so drop the old estimate.
             self.belief = None
             self.localizer.force_update()

@@ -71,7 +71,7 @@ class KalmanFilter:
 
     @property
     def standing(self) -> Standing:
-        """Always confirmed, because this filter does not search for other places."""
+        """Always confirmed: it makes no search; one beside it judges its place (SearchBeside)."""
         return Standing.CONFIRMED
 
     def search_anew(self) -> None:

@@ -9,7 +9,15 @@ import numpy as np
 
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2
-from robot.localization.estimate import BOUNDED, SEARCHING, Estimate, Hypothesis, Integrity
+from robot.localization.estimate import (
+    BOUNDED,
+    ONLY_PLACE,
+    SEARCHING,
+    Estimate,
+    Hypothesis,
+    Integrity,
+    Standing,
+)
 from robot.localization.filter import Cloud, Filter, Setup
 from robot.localization.filter_kinds import FILTERS
 from robot.localization.monitoring.claims import claim, propagate_claim
@@ -17,6 +25,7 @@ from robot.localization.monitoring.doubt import NO_DOUBT
 from robot.localization.monitoring.monitor import Monitor
 from robot.localization.parameters import FilterParameters, LocalizationParameters
 from robot.localization.refinement import Refinement
+from robot.localization.search_beside import SearchBeside
 from robot.scan import Scan
 
 MIN_DESCRIBED_WEIGHT = 0.9
@@ -33,6 +42,7 @@ class Localizer:
         refinement: Refinement | None = None,
         reach: tuple[float, float] = (0.0, math.inf),
         monitor: Monitor | None = None,
+        beside: SearchBeside | None = None,
     ) -> None:
         self.reach = reach
         """Shortest and longest range that are trusted [m]."""
@@ -42,6 +52,9 @@ class Localizer:
         """Refines the heaviest hypothesis; None leaves it as the filter computed it."""
         self.monitor = monitor
         """Checks scans and odometry; without it, claims rest on weights and covariance alone."""
+        self.beside = beside
+        """Searches the field where the filter does not; without it, nothing tells of places that
+        look alike."""
         self.updates = 0
         """Scans used since the last restart."""
         self.integrity: Integrity = SEARCHING
@@ -62,8 +75,8 @@ class Localizer:
     @classmethod
     def of(cls, belief: Filter, setup: Setup, monitor: Monitor | None = None) -> Localizer:
         """Return a localizer with the parameters and models of a setup."""
-        parameters = setup.parameters.filter
-        return cls(belief, parameters, Refinement.of(setup), setup.reach, monitor)
+        parameters, beside = setup.parameters.filter, SearchBeside.of(setup)
+        return cls(belief, parameters, Refinement.of(setup), setup.reach, monitor, beside)
 
     @classmethod
     def of_field(
@@ -81,27 +94,47 @@ class Localizer:
         self.parameters = setup.parameters.filter
         self.refinement = Refinement.of(setup)
         self.reach = setup.reach
+        if self.beside is not None:
+            self.beside.use(setup)
+
+    def exchange(self, new: Filter, setup: Setup) -> None:
+        """Go on with another filter, which starts from the belief of the one before."""
+        old, place = self.filter, self.filter.hypotheses
+        only = bool(place) and place[0].weight > ONLY_PLACE
+        undoubted = only and self._standing(place[0].pose) in (Standing.CONFIRMED, Standing.GIVEN)
+        self.filter = transfer_belief(new, old)
+        before, self.beside = self.beside, SearchBeside.of(setup)
+        if before is not None and self.beside is not None:
+            self.beside = before  # It goes on: what it knows of the place does not change.
+            return
+        if self.beside is not None:
+            transfer_belief(self.beside.filter, old)
+        if not undoubted:
+            self._search_anew()
 
     def set_pose(self, pose: Pose2, covariance: Array | None = None) -> None:
         """Restart around a pose in the map; the default covariance (3, 3) is the parameters'."""
-        self.filter.set_pose(
-            pose, self.parameters.initial_covariance if covariance is None else covariance
-        )
+        given = self.parameters.initial_covariance if covariance is None else covariance
+        for each in self._filters:
+            each.set_pose(pose, given)
         self._restart()
 
     def set_hypotheses(self, hypotheses: tuple[Hypothesis, ...]) -> None:
         """Restart at hypotheses; only the ratios of their weights count."""
-        self.filter.set_hypotheses(hypotheses)
+        for each in self._filters:
+            each.set_hypotheses(hypotheses)
         self._restart()
 
     def set_cloud(self, cloud: Cloud) -> None:
         """Restart from weighted poses."""
-        self.filter.set_cloud(cloud)
+        for each in self._filters:
+            each.set_cloud(cloud)
         self._restart()
 
     def scatter(self) -> None:
         """Restart without a known place: the robot may be anywhere on the field."""
-        self.filter.scatter()
+        for each in self._filters:
+            each.scatter()
         self._restart()
 
     def force_update(self) -> None:
@@ -147,7 +180,7 @@ class Localizer:
             self._watch(moved, self.seen)
             return None
         if self._was_certain and not self._still_fits:
-            self.filter.search_anew()
+            self._search_anew()
         self.advance(odometry)
         self.filter.correct(self.seen)
         return self.conclude(odometry, self.seen)
@@ -157,7 +190,8 @@ class Localizer:
         moved = self._as_wheels_are(self.moved(odometry))
         # The odometry of the last step advances only with a prediction, so no motion is lost.
         self._odometry = odometry
-        self.filter.predict(moved)
+        for each in self._filters:
+            each.predict(moved)
         # What was concluded was of the place before this step.
         self._concluded, self._was_certain, self._still_fits = (), False, True
         return moved
@@ -171,6 +205,8 @@ class Localizer:
         """Return the estimate after a scan was weighed, refined and checked; and claim it."""
         self._forced = False
         self.updates += 1
+        if self.beside is not None:
+            self.beside.filter.correct(seen)
         estimate = self.estimate(seen.stamp)
         if estimate is None:
             return None
@@ -181,8 +217,9 @@ class Localizer:
             spread = estimate.effective / max(len(self.filter.cloud.weights), 1)
             self.monitor.observe(heaviest, seen, odometry, spread)
             if self.monitor.contradicted:
-                self.filter.search_anew()
-            self.filter.loosen(self.monitor.looseness)
+                self._search_anew()
+            for each in self._filters:
+                each.loosen(self.monitor.looseness)
             heaviest = self.monitor.compensate_lateness(heaviest)
             heaviest = replace(
                 heaviest, covariance=heaviest.covariance + self.monitor.doubt.covariance
@@ -208,7 +245,19 @@ class Localizer:
 
     def _claim(self) -> Integrity:
         doubt = NO_DOUBT if self.monitor is None else self.monitor.doubt
-        return claim(self._concluded, self.filter.standing, doubt)
+        standing = self._standing(self._concluded[0].pose) if self._concluded else None
+        return claim(self._concluded, standing or self.filter.standing, doubt)
+
+    def _standing(self, pose: Pose2) -> Standing:
+        return self.filter.standing if self.beside is None else self.beside.standing_at(pose)
+
+    @property
+    def _filters(self) -> tuple[Filter, ...]:
+        return (self.filter,) if self.beside is None else (self.filter, self.beside.filter)
+
+    def _search_anew(self) -> None:
+        for each in self._filters:
+            each.search_anew()
 
     def _restart(self) -> None:
         self.updates, self._concluded = 0, ()

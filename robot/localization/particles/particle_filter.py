@@ -75,7 +75,7 @@ class ParticleFilter:
 
     @property
     def standing(self) -> Standing:
-        """Always confirmed: this filter does not search for other places."""
+        """Always confirmed: it makes no search; one beside it judges its place (SearchBeside)."""
         return Standing.CONFIRMED
 
     def search_anew(self) -> None:
