@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -73,18 +74,21 @@ class PlausibilityChecks(AddedModels):
         memory = self.memory
         if memory.stamp < memory.frozen + SHOWN:
             return (FROZEN,)
-        if memory.stamp < memory.displaced + SHOWN:
+        by_motion = () if memory.motion is None else memory.motion.alerts(memory.stamp)
+        # Where motors are plugged in wrongly, the robot is always elsewhere than they say.
+        wrong_plugs = any(alert.cause is Cause.MOTORS for alert in by_motion)
+        if memory.stamp < memory.displaced + SHOWN and not wrong_plugs:
             return (DISPLACED,)
-        return () if memory.motion is None else memory.motion.alerts(memory.stamp)
+        return by_motion
 
     @property
     def lateness_doubted(self) -> bool:
         """Whether the newest picture comes later, or earlier, than those before."""
         return self.memory.motion is not None and self.memory.motion.lateness_doubted
 
-    def look_at_place(self, state: State, pose: Pose2, odometry: Pose2) -> None:
+    def look_at_place(self, state: State, places: Sequence[Pose2], odometry: Pose2) -> None:
         """Look whether the robot was found elsewhere than its wheels led; as ``Displacement``."""
-        if self.memory.displacement.was_displaced(state, pose, odometry):
+        if self.memory.displacement.was_displaced(state, places, odometry):
             self.memory.displaced = self.memory.stamp
 
     def forget_place(self) -> None:

@@ -13,9 +13,12 @@ from app.settings.config import Config
 from robot.fields.field import Field
 from robot.geometry import Pose2
 from robot.interface import Reading, Robot
+from robot.localization.estimate import ONLY_PLACE, Belief
 from robot.scan import Scan
 
 TOPIC = "motor_count"
+LIKELY = 0.01
+"""A place that is less likely than this share of the likeliest is not the robot's."""
 SHOWN = 10.0
 """It is said for so long [s]."""
 SAID = phrase(
@@ -55,11 +58,20 @@ class PlausibilityCompanion:
             if isinstance(models, PlausibilityChecks):
                 if controls.map_from_odom != self._map_from_odom:
                     models.forget_place()
-                models.look_at_place(localization.integrity.state, belief.pose(odometry), odometry)
+                state = localization.integrity.state
+                models.look_at_place(state, likely_places(belief, odometry), odometry)
         self._map_from_odom = controls.map_from_odom
 
     def close(self) -> None:
         """Do nothing: there is no thread."""
+
+
+def likely_places(belief: Belief, odometry: Pose2) -> tuple[Pose2, ...]:
+    """Return where the robot may be, the likeliest first; nothing if it may be anywhere."""
+    places, moved = belief.estimate.hypotheses, belief.moved(odometry)
+    if sum(place.weight for place in places) < ONLY_PLACE:
+        return ()
+    return tuple(place.pose @ moved for place in places if place.weight > LIKELY * places[0].weight)
 
 
 def plausibility_companion(

@@ -4,21 +4,21 @@ from __future__ import annotations
 
 import pytest
 
-from app.features.plausibility.displacement import FAR, FAR_SHARE, Displacement
+from app.features.plausibility.displacement import FAR, FAR_SHARE, LASTS, Displacement
 from robot.geometry import Pose2
 from robot.localization.estimate import State
 
 STEP = Pose2(0.01, 0.0, 0.02)
 
 
-def found(states: list[State], pushed: Pose2, at: int) -> list[int]:
+def found(states: list[State], pushed: Pose2, at: int, others: tuple[Pose2, ...] = ()) -> list[int]:
     """Return when the place was found elsewhere, of a robot that is pushed at one of the states."""
     displacement, odometry, pose = Displacement(), Pose2(), Pose2(1.0, 2.0, 0.5)
     said = []
     for number, state in enumerate(states):
         if number == at:
             pose = pose @ pushed
-        if displacement.was_displaced(state, pose, odometry):
+        if displacement.was_displaced(state, (pose, *others), odometry):
             said.append(number)
         odometry, pose = odometry @ STEP, pose @ STEP
     return said
@@ -38,6 +38,25 @@ def test_a_robot_that_was_pushed_hears_so_once_it_is_found(push: Pose2, before: 
 @pytest.mark.parametrize("push", [Pose2(), Pose2(0.03), Pose2(theta=0.1)])
 def test_one_that_wheels_led_there_hears_nothing(push: Pose2) -> None:
     assert not found([*KNOWN, *LOST, *KNOWN], push, 20)
+
+
+@pytest.mark.parametrize("state", [State.AMBIGUOUS, State.APPROXIMATE])
+def test_one_that_is_at_none_of_several_places_where_wheels_led_hears_so(state: State) -> None:
+    """A robot that was lifted on a square: it has driven to none of four places that look alike."""
+    states = [*KNOWN, *LOST, *[state] * 30]
+    push = Pose2(PUSH.x + FAR_SHARE * 30 * STEP.x)
+    assert found(states, push, 20, (Pose2(5.0),)) == [30 + LASTS - 1]
+
+
+def test_one_that_may_be_where_wheels_led_hears_nothing() -> None:
+    there = Pose2(1.0, 2.0, 0.5)
+    for _ in range(35):
+        there = there @ STEP
+    assert not found([*KNOWN, *LOST, *[State.AMBIGUOUS] * 30], PUSH, 20, (there,))
+
+
+def test_one_that_was_never_lost_hears_nothing_until_it_is_certain() -> None:
+    assert not found([*KNOWN, *[State.AMBIGUOUS] * 30], PUSH, 20)
 
 
 @pytest.mark.parametrize("told", [State.GIVEN, State.SEARCHING])
