@@ -25,7 +25,7 @@ from robot.localization.monitoring.doubt import NO_DOUBT
 from robot.localization.monitoring.monitor import Monitor
 from robot.localization.parameters import FilterParameters, LocalizationParameters
 from robot.localization.refinement import Refinement
-from robot.localization.search_beside import SearchBeside
+from robot.localization.search_beside import SearchBeside, usual
 from robot.scan import Scan
 
 MIN_DESCRIBED_WEIGHT = 0.9
@@ -95,7 +95,7 @@ class Localizer:
         self.refinement = Refinement.of(setup)
         self.reach = setup.reach
         if self.beside is not None:
-            self.beside.use(setup)
+            self.beside.filter.use(usual(setup))
 
     def exchange(self, new: Filter, setup: Setup) -> None:
         """Go on with another filter, which starts from the belief of the one before."""

@@ -6,7 +6,7 @@ looks alike its scans may fit there. Nothing in it tells that; a search of the w
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, cast
+from dataclasses import replace
 
 import numpy as np
 
@@ -15,17 +15,7 @@ from robot.localization.estimate import ONLY_PLACE, Standing
 from robot.localization.filter import Setup
 from robot.localization.filter_kinds import FILTERS, OURS
 from robot.localization.models.sensor_models import SensorParameters, sensor_model
-from robot.localization.parameters import (
-    FilterParameters,
-    HypothesisParameters,
-    LocalizationParameters,
-)
-
-if TYPE_CHECKING:
-    from robot.localization.hypotheses.multi_hypothesis import MultiHypothesisFilter
-
-SEARCHES = "hypotheses"
-"""The filter that searches."""
+from robot.localization.parameters import FilterParameters, HypothesisParameters
 
 
 class SearchBeside:
@@ -33,29 +23,21 @@ class SearchBeside:
 
     def __init__(self, setup: Setup) -> None:
         """Begin at the field's start; it draws numbers of its own."""
-        made = OURS[SEARCHES].make(usual(setup), np.random.default_rng(0))
-        self.filter = cast("MultiHypothesisFilter", made)
+        own = usual(setup)
+        self.filter = OURS["hypotheses"].make(own, np.random.default_rng(0))
+        self._alike = own.hypotheses.alike
 
     @classmethod
     def of(cls, setup: Setup) -> SearchBeside | None:
-        """Return what searches beside the filter of a setup; None if that filter does so itself.
-
-        On a map without tape, as a laser's of a building, nothing searches.
-        """
+        """Return what searches beside a setup's filter; None if that searches, or is of a laser."""
         searches = FILTERS[setup.filter.filter].has_hypotheses or not setup.field.tape
         return None if searches else cls(setup)
-
-    def use(self, setup: Setup) -> None:
-        """Switch to another field's models, and keep the belief."""
-        self.filter.use(usual(setup))
 
     def standing_at(self, pose: Pose2) -> Standing:
         """Return how far a pose is confirmed that another filter holds for the robot's."""
         standing, places = self.filter.standing, self.filter.hypotheses
         only = bool(places) and places[0].weight > ONLY_PLACE
-        if standing is Standing.LOST or (
-            only and self.filter.setup.hypotheses.alike(places[0].pose, pose)
-        ):
+        if standing is Standing.LOST or (only and self._alike(places[0].pose, pose)):
             return standing
         return Standing.UNCONFIRMED
 
@@ -66,20 +48,20 @@ def usual(setup: Setup) -> Setup:
     What another filter does not use (its parameters are idle), and a user's own sensor model, must
     not decide whether its place is confirmed. How far a step may err is the same for both.
     """
-    given, start = setup.parameters, setup.filter
-    sensor = SensorParameters(
-        laser_min_range=given.sensor.laser_min_range,
-        laser_max_range=given.sensor.laser_max_range,
-        laser_likelihood_max_dist=given.sensor.laser_likelihood_max_dist,
-        field_resolution=given.sensor.field_resolution,
-    )
-    parameters = LocalizationParameters(
-        given.motion,
-        sensor,
-        FilterParameters(
-            initial_sd_xy=start.initial_sd_xy, initial_sd_theta=start.initial_sd_theta
+    given, low, high = setup.parameters, *setup.reach
+    far, cell = given.sensor.laser_likelihood_max_dist, given.sensor.field_resolution
+    start, rays = given.filter, given.hypotheses
+    parameters = replace(
+        given,
+        sensor=replace(
+            SensorParameters(), laser_min_range=low, laser_max_range=high,
+            laser_likelihood_max_dist=far, field_resolution=cell,
         ),
-        HypothesisParameters(fit_sd=given.hypotheses.fit_sd, fit_gate=given.hypotheses.fit_gate),
-    )
-    model = sensor_model(sensor, setup.entries, setup.field.edges)
+        filter=replace(
+            FilterParameters(), initial_sd_xy=start.initial_sd_xy,
+            initial_sd_theta=start.initial_sd_theta,
+        ),
+        hypotheses=HypothesisParameters(fit_sd=rays.fit_sd, fit_gate=rays.fit_gate),
+    )  # fmt: skip
+    model = sensor_model(parameters.sensor, setup.entries, setup.field.edges)
     return Setup.of(setup.field, setup.entries, setup.motion, model, parameters)
