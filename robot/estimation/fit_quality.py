@@ -70,9 +70,14 @@ class FitQuality:
         where the pixels' deviations were halved, as the residuals of twelve calibrations are,
         intervals of 95 % held 80 % of the true values, and 98 % as they are.
         """
-        alike = 0.0 if self.is_noise else self.correlation
         spread = self.residual if math.isfinite(self.residual) else 1.0
-        return max(1.0, spread) * math.sqrt((1 + alike) / max(1 - alike, 0.01))
+        return max(1.0, spread) * (1.0 if self.is_noise else self.alike_factor)
+
+    @property
+    def alike_factor(self) -> float:
+        """By how much fewer residuals count that are alike (a first-order process), 1 or more."""
+        alike = max(0.0, self.correlation)
+        return math.sqrt((1 + alike) / max(1 - alike, 0.01))
 
     @property
     def facts(self) -> tuple[str, ...]:

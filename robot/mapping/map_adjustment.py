@@ -50,9 +50,10 @@ AT_A_TIME = 256
 """Pictures whose derivatives are kept at a time: half a minute of a drive, and 25 MB."""
 DERIVATIVES = ("by_pose", "by_unknowns", "map_unknowns", "by_map", "by_pixel")
 """What a long drive has no memory for."""
-CURVE_SD = 0.0004
-"""Standard deviation of an edge that bends, beside the noise [m]: it is found as if it were
-straight over some centimetres, in all pictures alike."""
+CURVE_SD = 0.00005
+"""Standard deviation of an edge that bends, beside the noise [m]: a spline is not quite as its tape
+is, in all pictures alike. Half: 95 % intervals of seven maps hold 94 % of the true edges instead of
+95, twice: 97. Of eight more, by known robots, they hold 98 %; twice: 99.9; eight times: 100."""
 
 
 class MapAdjustment(Adjustment):
@@ -174,7 +175,8 @@ def node_sd(strokes: Strokes, solution: Solution) -> Array:
     The covariance of the adjustment, by the variance factor of what was seen.
     """
     quality = quality_of(solution, PRIORS)
-    factor = quality.interval_factor * min(1.0, max(LEAST_FACTOR, quality.residual))
+    # Of no map all that is left over is noise: strokes are not quite as tape is.
+    factor = quality.alike_factor * max(LEAST_FACTOR, quality.residual)
     variances = factor**2 * np.diag(solution.covariance)[COUNT:]
     curved = np.repeat(
         [stroke.curved for stroke in strokes.traced],

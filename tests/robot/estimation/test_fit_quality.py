@@ -87,6 +87,14 @@ def test_intervals_hold_what_is_left_over() -> None:
     assert FitQuality(1.0, correlation=correlation_of(noise[0])).interval_factor == 1.0
 
 
+@pytest.mark.parametrize("alike", [-0.3, 0.0, 0.3, 0.5])
+def test_residuals_that_are_alike_count_less_though_they_are_noise(alike: float) -> None:
+    quality = FitQuality(1.0, correlation=alike)
+    assert quality.is_noise and quality.interval_factor == 1.0
+    counting = max(alike, 0.0)
+    assert quality.alike_factor == pytest.approx(math.sqrt((1 + counting) / (1 - counting)))
+
+
 def test_neighbours_are_means_of_pictures_that_saw_enough() -> None:
     groups = np.repeat([0, 1, 2, 5], [FEWEST, FEWEST, 1, FEWEST])
     residuals = np.where(groups == 2, -50.0, 1.0)

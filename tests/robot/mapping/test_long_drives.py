@@ -52,7 +52,7 @@ def test_what_never_lay_on_strokes_is_not_new() -> None:
 
 
 @pytest.mark.parametrize(
-    ("aside", "turn", "pushed"), [(0.001, 0.005, False), (0.01, 0, True), (0, 0.05, True)]
+    ("aside", "turn", "pushed"), [(0.004, 0.023, False), (0.02, 0, True), (0, 0.1, True)]
 )
 def test_a_pose_that_wheels_do_not_lead_to_is_of_a_push(
     aside: float, turn: float, pushed: bool
