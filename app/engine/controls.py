@@ -146,10 +146,7 @@ class Controls:
             self.reloads += 1
 
     def stop_while_faulty(self, *, connected: bool, faults: tuple[str, ...]) -> None:
-        """Stop while the robot is not connected or a model is faulty; report all faults.
-
-        What a fault explains ends the drive; where the robot only does not answer, it stands.
-        """
+        """End the drive for a fault, or stand while the robot does not answer; report all faults."""
         fault = self.follower.fault
         if fault is not None or (faults and not connected):
             self.driving.stop(fault or faults[0])

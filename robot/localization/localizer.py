@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from pkgutil import resolve_name
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -25,8 +27,10 @@ from robot.localization.monitoring.doubt import NO_DOUBT
 from robot.localization.monitoring.monitor import Monitor
 from robot.localization.parameters import FilterParameters, LocalizationParameters
 from robot.localization.refinement import Refinement
-from robot.localization.search_beside import SearchBeside, usual
 from robot.scan import Scan
+
+if TYPE_CHECKING:
+    from robot.localization.search_beside import SearchBeside
 
 MIN_DESCRIBED_WEIGHT = 0.9
 """From this total weight on, the hypotheses alone describe a filter's belief."""
@@ -75,7 +79,7 @@ class Localizer:
     @classmethod
     def of(cls, belief: Filter, setup: Setup, monitor: Monitor | None = None) -> Localizer:
         """Return a localizer with the parameters and models of a setup."""
-        parameters, beside = setup.parameters.filter, SearchBeside.of(setup)
+        parameters, beside = setup.parameters.filter, search_beside(setup)
         return cls(belief, parameters, Refinement.of(setup), setup.reach, monitor, beside)
 
     @classmethod
@@ -95,7 +99,7 @@ class Localizer:
         self.refinement = Refinement.of(setup)
         self.reach = setup.reach
         if self.beside is not None:
-            self.beside.filter.use(usual(setup))
+            self.beside.use(setup)
 
     def exchange(self, new: Filter, setup: Setup) -> None:
         """Go on with another filter, which starts from the belief of the one before."""
@@ -103,7 +107,7 @@ class Localizer:
         only = bool(place) and place[0].weight > ONLY_PLACE
         undoubted = only and self._standing(place[0].pose) in (Standing.CONFIRMED, Standing.GIVEN)
         self.filter = transfer_belief(new, old)
-        before, self.beside = self.beside, SearchBeside.of(setup)
+        before, self.beside = self.beside, search_beside(setup)
         if before is not None and self.beside is not None:
             self.beside = before  # It goes on: what it knows of the place does not change.
             return
@@ -286,6 +290,15 @@ class Localizer:
 def make_filter(setup: Setup, rng: np.random.Generator) -> Filter:
     """Return the filter that the parameters name, at the field's start pose."""
     return FILTERS[setup.filter.filter].make(setup, rng)
+
+
+def search_beside(setup: Setup) -> SearchBeside | None:
+    """Return what searches beside a setup's filter; None if that searches, or is of a laser."""
+    if FILTERS[setup.filter.filter].has_hypotheses or not setup.field.tape:
+        return None
+    # By name: few filters need it.
+    made: SearchBeside = resolve_name("robot.localization.search_beside:SearchBeside")(setup)
+    return made
 
 
 def transfer_belief(new: Filter, old: Filter) -> Filter:

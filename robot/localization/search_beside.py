@@ -13,7 +13,7 @@ import numpy as np
 from robot.geometry import Pose2
 from robot.localization.estimate import ONLY_PLACE, Standing
 from robot.localization.filter import Setup
-from robot.localization.filter_kinds import FILTERS, OURS
+from robot.localization.filter_kinds import OURS
 from robot.localization.models.sensor_models import SensorParameters, sensor_model
 from robot.localization.parameters import FilterParameters, HypothesisParameters
 
@@ -27,11 +27,9 @@ class SearchBeside:
         self.filter = OURS["hypotheses"].make(own, np.random.default_rng(0))
         self._alike = own.hypotheses.alike
 
-    @classmethod
-    def of(cls, setup: Setup) -> SearchBeside | None:
-        """Return what searches beside a setup's filter; None if that searches, or is of a laser."""
-        searches = FILTERS[setup.filter.filter].has_hypotheses or not setup.field.tape
-        return None if searches else cls(setup)
+    def use(self, setup: Setup) -> None:
+        """Take the models and parameters of a setup, as far as they are not the other filter's."""
+        self.filter.use(usual(setup))
 
     def standing_at(self, pose: Pose2) -> Standing:
         """Return how far a pose is confirmed that another filter holds for the robot's."""

@@ -14,9 +14,9 @@ from robot.geometry import Pose2
 from robot.localization.estimate import BOUNDED, Standing, State
 from robot.localization.filter import Setup
 from robot.localization.filter_kinds import FILTERS
-from robot.localization.localizer import Localizer, make_filter
+from robot.localization.localizer import Localizer, make_filter, search_beside
 from robot.localization.monitoring.monitor import Monitor
-from robot.localization.search_beside import SearchBeside, usual
+from robot.localization.search_beside import usual
 
 LONE = [name for name, kind in FILTERS.items() if not kind.has_hypotheses]
 """Filters that make no search."""
@@ -96,10 +96,10 @@ def test_a_place_that_was_given_stays_so_for_another_filter() -> None:
 
 
 def test_it_is_made_where_a_filter_makes_no_search_and_there_is_tape() -> None:
-    assert SearchBeside.of(with_filter(ON_STUB, "hypotheses")) is None
+    assert search_beside(with_filter(ON_STUB, "hypotheses")) is None
     alone = with_filter(ON_STUB, "particles")
-    assert SearchBeside.of(alone) is not None
-    assert SearchBeside.of(replace(alone, field=replace(alone.field, tape=()))) is None
+    assert search_beside(alone) is not None
+    assert search_beside(replace(alone, field=replace(alone.field, tape=()))) is None
 
 
 def test_parameters_that_are_idle_change_nothing_in_it() -> None:
