@@ -146,7 +146,7 @@ class Controls:
             self.reloads += 1
 
     def stop_while_faulty(self, *, connected: bool, faults: tuple[str, ...]) -> None:
-        """End the drive for a fault, or stand while the robot does not answer; report all faults."""
+        """End the drive for a fault, stand while the robot does not answer; report all faults."""
         fault = self.follower.fault
         if fault is not None or (faults and not connected):
             self.driving.stop(fault or faults[0])
