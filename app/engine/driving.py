@@ -153,15 +153,14 @@ class Driving:
     def update(self, odometry: OdometryState) -> Twist2:
         """Return the twist to apply at a pose in the odom frame."""
         stamp = odometry.stamp
-        held, self._held = self._held, False
-        stands = held or self._lapsed(stamp)
+        stands = self._held or self._lapsed(stamp)
         if programme := self.programme:
             self._follow_programme(programme, stamp, not stands)
         elif self.mode == "explore":
             self._follow_route(odometry, stands)
-        elif held:
+        elif self._held:
             self.stop()
-        self._updated = stamp
+        self._updated, self._held = stamp, False
         twist = self._controller.update(stamp)
         if not self._controller.active:
             self.mode = "idle" if self.mode == "drive" else self.mode

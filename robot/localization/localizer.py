@@ -57,8 +57,7 @@ class Localizer:
         self.monitor = monitor
         """Checks scans and odometry; without it, claims rest on weights and covariance alone."""
         self.beside = beside
-        """Searches the field where the filter does not; without it, nothing tells of places that
-        look alike."""
+        """Searches the field where the filter does not; None if that does, or on a laser's map."""
         self.updates = 0
         """Scans used since the last restart."""
         self.integrity: Integrity = SEARCHING
@@ -294,11 +293,9 @@ def make_filter(setup: Setup, rng: np.random.Generator) -> Filter:
 
 def search_beside(setup: Setup) -> SearchBeside | None:
     """Return what searches beside a setup's filter; None if that searches, or is of a laser."""
-    if FILTERS[setup.filter.filter].has_hypotheses or not setup.field.tape:
-        return None
+    alone = FILTERS[setup.filter.filter].has_hypotheses or not setup.field.tape
     # By name: few filters need it.
-    made: SearchBeside = resolve_name("robot.localization.search_beside:SearchBeside")(setup)
-    return made
+    return None if alone else resolve_name("robot.localization.search_beside:SearchBeside")(setup)
 
 
 def transfer_belief(new: Filter, old: Filter) -> Filter:

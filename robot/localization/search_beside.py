@@ -35,9 +35,8 @@ class SearchBeside:
         """Return how far a pose is confirmed that another filter holds for the robot's."""
         standing, places = self.filter.standing, self.filter.hypotheses
         only = bool(places) and places[0].weight > ONLY_PLACE
-        if standing is Standing.LOST or (only and self._alike(places[0].pose, pose)):
-            return standing
-        return Standing.UNCONFIRMED
+        same = only and self._alike(places[0].pose, pose)
+        return standing if same or standing is Standing.LOST else Standing.UNCONFIRMED
 
 
 def usual(setup: Setup) -> Setup:

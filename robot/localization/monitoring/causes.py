@@ -31,9 +31,9 @@ LATE: no alarm changes; twice: named in 51.8 %. Half of LATE_SURE: 67.5, with as
 twice: 52.1, and no false alarm."""
 TILT, TILT_EXPLAINS = math.radians(0.1), 0.7
 """A camera is askew if its tilt is larger than this [rad], and explains more than this share of the
-residuals that no pose explains. Half and twice of the tilt: no alarm changes. With a
-share of 0.4 the camera is told on two of five floors that were laid by hand, where the map is told
-now; two cameras that are askew are told as soon with either; twice names none at all."""
+residuals that no pose explains. Half and twice of the tilt: no alarm changes. With a share of 0.4
+the camera is told on two of five floors that were laid by hand, where the map is told now; two
+cameras that are askew are told as soon with either; twice names none at all."""
 RADII, RADII_TURN = 0.025, 0.38
 """Wheels are of another size if they err by more: a share of a distance, or a turn by distance
 [rad/m]. Half and twice: no alarm changes."""
