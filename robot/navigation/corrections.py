@@ -8,8 +8,8 @@ import numpy as np
 
 from robot.geometry import Pose2, wrap_angle
 from robot.navigation.free_space import FreeSpace
+from robot.navigation.gates import comes_no_nearer
 from robot.navigation.legs import WayLeg, curve, straight, turn
-from robot.navigation.planning import comes_no_nearer
 from robot.navigation.settings import NavigationSettings
 
 CORRECTIONS_M = (-0.08, 0.08, -0.04, 0.04, -0.025, 0.025)

@@ -18,9 +18,10 @@ from robot.compiling import compiled
 from robot.geometry import Array, Pose2
 from robot.navigation.dubins import along_arcs, shortest_arcs
 from robot.navigation.free_space import COST_WEIGHT, FreeSpace
+from robot.navigation.gates import AHEAD, BACK, comes_no_nearer
 from robot.navigation.grid_search import _sift_down, _sift_up
 from robot.navigation.legs import STEP, WayLeg, straight
-from robot.navigation.planning import GATES, NoWayError, comes_no_nearer, require_joined
+from robot.navigation.planning import NoWayError, require_joined
 
 HEADINGS = 36
 """Headings are told apart to 10 degrees."""
@@ -79,7 +80,7 @@ def _left_wall(free: FreeSpace, start: Pose2) -> tuple[tuple[WayLeg, ...], Pose2
     """
     if free.fits(start.to_array()[None]):
         return (), start
-    for distance in sorted(GATES[1:], key=abs):
+    for distance in sorted((*AHEAD, *BACK), key=abs):
         leg = straight(start, distance)
         if free.fits(leg.end.to_array()[None]) and comes_no_nearer(free, leg, start):
             return (leg,), leg.end

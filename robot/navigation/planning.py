@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 
 import numpy as np
 
 from robot.errors import BrickPoseError
 from robot.geometry import Array, Pose2, wrap_angle
 from robot.navigation.free_space import FreeSpace
+from robot.navigation.gates import AHEAD, gate
 from robot.navigation.grid_search import search, straighten
 from robot.navigation.legs import STEP, WayLeg, curve, rounded, straight, turn
 
@@ -19,17 +20,8 @@ Planner = Callable[[FreeSpace, Pose2, Pose2], tuple[WayLeg, ...]]
 Corners = Callable[[FreeSpace, Pose2, Pose2], Array]
 """Returns the corners (n, 2) [m] of a path between two places where the robot may turn."""
 
-Gate = tuple[tuple[WayLeg, ...], Pose2]
-"""Legs between a pose and a place where the robot may turn, and that place's pose."""
-
 SAME_PLACE, SAME_HEADING = 0.0005, 0.002
 """Nearer places [m] and headings [rad] count as the same."""
-GATES = (0.0, 0.03, 0.06, 0.1, 0.15, 0.2, 0.3, -0.03, -0.06, -0.1, -0.15, -0.2, -0.3)
-"""Where the robot cannot turn, it goes straight so far to where it can [m]."""
-PART_TURNS = (0.1, 0.2, 0.3, 0.45, 0.6, 0.8, 1.0, 1.25, 1.5)
-"""Where that does not help, it first turns so far, if there is room for that [rad]."""
-SAME_ROOM = 0.0016
-"""The room to walls is known no better, since their cells are as large [m]."""
 PARTED = "a wall is between the robot and the goal, and no way leads around it"
 SMOOTHINGS = (1.0, 0.5, 0.25)
 """Shares of the smoothing that are tried, until the robot fits along the rounded path."""
@@ -73,13 +65,13 @@ def _plan(free: FreeSpace, start: Pose2, goal: Pose2, corners: Corners) -> tuple
     short = _short_way(free, start, goal)
     if short is not None:
         return short
-    leaving = next(_gates(free, start, away=True), None) or _turned_gate(free, start)
+    leaving = gate(free, start, away=True)
     if leaving is None:
         raise NoWayError(
             "the robot stands too near to a wall to turn, also after going straight: drive it "
             "away by hand"
         )
-    coming = next(_gates(free, goal, away=False), None) or _turned_gate(free, goal, coming=True)
+    coming = gate(free, goal, away=False)
     if coming is None:
         raise NoWayError(
             "at the goal there is no room to turn, and no straight way to it; valid is a goal "
@@ -121,57 +113,10 @@ def _short_way(free: FreeSpace, start: Pose2, goal: Pose2) -> tuple[WayLeg, ...]
     So a robot that has stopped just beside its goal does not turn about for a few millimetres.
     """
     ahead = start.inverse() @ goal
-    if abs(ahead.theta) > SAME_HEADING or abs(ahead.y) > SAME_PLACE or abs(ahead.x) > -GATES[-1]:
+    if abs(ahead.theta) > SAME_HEADING or abs(ahead.y) > SAME_PLACE or abs(ahead.x) > AHEAD[-1]:
         return None
     leg = straight(start, ahead.x)
     return (leg,) if free.fits(leg.poses) else None
-
-
-def _gates(free: FreeSpace, pose: Pose2, *, away: bool) -> Iterator[Gate]:
-    """Yield straight ways from a pose, or to it, with the other end, where the robot may turn."""
-    for distance in GATES:
-        other = pose @ Pose2(distance if away else -distance)
-        if not free.turns(_places(other)):
-            continue
-        if distance == 0:
-            yield (), other
-            continue
-        leg = straight(pose, distance) if away else straight(other, distance)
-        if comes_no_nearer(free, leg, pose):
-            yield (leg,), other
-
-
-def _turned_gate(free: FreeSpace, pose: Pose2, *, coming: bool = False) -> Gate | None:
-    """Return a gate after turning a part, or before it; None if that does not help either.
-
-    Beside a wall the robot can often turn away from it, though not all around.
-    """
-    for sign in (1.0, -1.0):
-        for angle in PART_TURNS:
-            turned = pose @ Pose2(0.0, 0.0, sign * angle)
-            if not comes_no_nearer(free, turn(pose, turned.theta), pose):
-                break
-            gate = next(_gates(free, turned, away=not coming), None)
-            if gate is None:
-                continue
-            legs, other = gate
-            return ((*legs, turn(turned, pose.theta)) if coming
-                    else (turn(pose, turned.theta), *legs)), other  # fmt: skip
-    return None
-
-
-def comes_no_nearer(free: FreeSpace, leg: WayLeg, pose: Pose2) -> bool:
-    """Whether a leg keeps the clearance, or what room a pose at its end has that has less.
-
-    From a pose in a wall the leg may lead out of it, but not into it again.
-    """
-    room = float(free.room(pose.to_array()[None])[0])
-    rooms = free.room(leg.poses)
-    if room <= 0:
-        clear = rooms > 0
-        return bool((clear[1:] >= clear[:-1]).all() or (clear[1:] <= clear[:-1]).all())
-    kept = min(free.settings.clearance, room - SAME_ROOM)
-    return bool(((rooms >= kept) & (rooms > 0)).all())
 
 
 def _between(free: FreeSpace, begin: Pose2, end: Pose2, corners: Corners) -> list[WayLeg]:

@@ -9,7 +9,8 @@ from robot.fields.field_loading import load_field
 from robot.fields.svg_field import field_of_drawing
 from robot.geometry import Pose2
 from robot.navigation.free_space import FreeSpace
-from robot.navigation.planning import SAME_ROOM, NoWayError, plan, require_free
+from robot.navigation.gates import SAME_ROOM
+from robot.navigation.planning import NoWayError, plan, require_free
 from robot.navigation.settings import NavigationSettings
 from robot.navigation.timed_way import Limits, timed
 
