@@ -141,7 +141,7 @@ class Localization(Follower):
         """State, bounds and alerts of the newest estimate, at the stamp of its scan."""
         claim = self.localizer.integrity
         alerts = tuple(alert for models in self.added for alert in models.alerts)
-        return replace(claim, alerts=alerts) if alerts else claim
+        return claim.because_of(alerts) if alerts else claim
 
     def integrity_at(self, odom_from_robot: Pose2) -> Integrity:
         """Return the integrity of the estimate carried forward: odometry adds its errors."""
@@ -193,16 +193,10 @@ class Localization(Follower):
         for models in self.added:
             models.note_update()
 
-    def set_pose(self, pose: Pose2, sd_xy: float | None, sd_theta: float | None) -> None:
-        """Tell the filter where the robot is, with standard deviations [m] and [rad]."""
-        given = self.parameters.filter
-        xy = given.initial_sd_xy if sd_xy is None else sd_xy
-        theta = given.initial_sd_theta if sd_theta is None else sd_theta
-        self.set_pose_with(pose, np.diag(np.square([xy, xy, theta])))
-
-    def set_pose_with(self, pose: Pose2, covariance: Array) -> None:
-        """Tell the filter where the robot is, with a covariance (3, 3) [m, m, rad]."""
-        self.localizer.set_pose(pose, covariance)
+    def set_pose(self, pose: Pose2, covariance: Array | None = None) -> None:
+        """Tell the filter where the robot is, with a covariance (3, 3) [m, m, rad] or the usual."""
+        usual = self.parameters.filter.initial_covariance
+        self.localizer.set_pose(pose, usual if covariance is None else covariance)
         self._restarted()
 
     def set_cloud(self, cloud: Cloud) -> None:
@@ -267,9 +261,9 @@ class Localization(Follower):
     def _begin(self) -> None:
         """Put the filter at its start."""
         if not self._start:
-            self.set_pose(self._field.start, None, None)
+            self.set_pose(self._field.start)
         elif len(self._start) == 1:
-            self.set_pose_with(self._start[0].pose, self._start[0].covariance)
+            self.set_pose(self._start[0].pose, self._start[0].covariance)
         else:
             self.localizer.set_hypotheses(self._start)
             self._restarted()

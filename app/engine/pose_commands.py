@@ -70,7 +70,7 @@ def _set_pose(tick: TickContext[SetPoseCommand]) -> None:
     localization, command = tick.localization, tick.command
     localization.keep_belief()
     covariance = covariance_of(command, localization.parameters.filter)
-    localization.set_pose_with(Pose2(command.x, command.y, command.theta), covariance)
+    localization.set_pose(Pose2(command.x, command.y, command.theta), covariance)
 
 
 def _check_pose(command: SetPoseCommand, field: Field) -> None:

@@ -7,7 +7,7 @@ truth lies outside the claimed bound. No information is better than misleading i
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import Enum, StrEnum, auto
 
 from robot.geometry import Array, Pose2
@@ -75,6 +75,12 @@ class Integrity:
     """The true heading lies within this angle of the estimate's [rad], in 99.9 % of pictures."""
     alerts: tuple[Alert, ...] = ()
     """The most recent reason for doubt first."""
+
+    def because_of(self, alerts: tuple[Alert, ...]) -> Integrity:
+        """Return it with other alerts; nothing is claimed while motors are plugged in wrongly."""
+        if self.state in BOUNDED and any(alert.cause is Cause.MOTORS for alert in alerts):
+            return Integrity(State.APPROXIMATE, alerts=alerts)
+        return replace(self, alerts=alerts)
 
 
 SEARCHING = Integrity(State.SEARCHING)

@@ -41,7 +41,7 @@ def followed(believed: Field, floor_from_map: Pose2) -> tuple[float, float]:
     start = floor_from_map.inverse() @ drive.ticks[0].truth
     offsets, states = [], []
     for tick, _, localization in follow_drive(
-        drive, config, lambda it: it.set_pose_with(start, KNOWN), believed=believed
+        drive, config, lambda it: it.set_pose(start, KNOWN), believed=believed
     ):
         assert localization.belief is not None
         assert tick.scan is not None and tick.odometry_at_scan is not None

@@ -139,15 +139,15 @@ def entries_over(field: Field, config: Config) -> EntryField:
 def _tell_known(localization: Localization, drive: Drive, config: Config) -> None:
     rng = np.random.default_rng([config.seed, TOLD])
     error = rng.normal(0, np.sqrt(np.diag(KNOWN)))
-    localization.set_pose_with(_beside(drive.ticks[0].truth, error), KNOWN)
+    localization.set_pose(_beside(drive.ticks[0].truth, error), KNOWN)
 
 
 def _tell_wrong(localization: Localization, drive: Drive, _config: Config) -> None:
-    localization.set_pose(_beside(drive.ticks[0].truth, np.array(OFFSET)), None, None)
+    localization.set_pose(_beside(drive.ticks[0].truth, np.array(OFFSET)))
 
 
 def _tell_quarter(localization: Localization, drive: Drive, _config: Config) -> None:
-    localization.set_pose(quarter_off(drive.ticks[0].truth, drive.field), None, None)
+    localization.set_pose(quarter_off(drive.ticks[0].truth, drive.field))
 
 
 def quarter_off(pose: Pose2, field: Field) -> Pose2:

@@ -90,7 +90,7 @@ class NavigationTrial:
             return
         error = self.rng.normal(0, np.sqrt(np.diag(KNOWN)))
         given = Pose2.from_array(self.truth.to_array() + error)
-        localization.set_pose_with(given, KNOWN)
+        localization.set_pose(given, KNOWN)
         self._run(BEGINS_S)
 
     @property

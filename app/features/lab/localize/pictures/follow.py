@@ -105,9 +105,10 @@ class PictureFollower(Localization):
             Streams.of(config.seed).filter,
         )
         if start is None:
-            self.set_pose(field.start, None, None)
+            self.set_pose(field.start)
         else:
-            self.set_pose(start.pose, start.sd_xy, start.sd_theta)
+            variances = np.square([start.sd_xy, start.sd_xy, start.sd_theta])
+            self.set_pose(start.pose, np.diag(variances))
 
     def _setup(self) -> Setup:
         setup, wanted = super()._setup(), self.parameters.motion
