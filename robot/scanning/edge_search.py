@@ -17,8 +17,10 @@ from robot.compiling import compiled
 from robot.geometry import Array
 from robot.scanning.picture_noise import (
     CONTRAST,
+    GRAINY,
     LIGHT_CONTRAST,
     clearness,
+    grain_of,
     kernel_for,
     noise_of,
 )
@@ -32,8 +34,6 @@ REACH = 4
 _NEAR = 2
 """The parabola through the maximum of the kernel's response uses the responses this many parts to
 either side."""
-
-
 SLANTED = 8.0
 """If a ray crosses an edge at a slant, the search is stretched by at most this factor. Half and
 twice: no range changes (``python -m benchmarks.constants``)."""
@@ -74,6 +74,11 @@ def find_edges(
     noise = noise_of(grey, counts, apart)
     half, weakest = kernel_for(noise, kernel, threshold)
     responses = differences(grey, counts, half)
+    grain = grain_of(responses, counts, half, apart)
+    if grain > GRAINY * max(noise, 1.0):
+        noise = grain
+        half, weakest = kernel_for(noise, kernel, threshold)
+        responses = differences(grey, counts, half)
     if light:
         responses = -responses
     edges = np.full((len(counts), PAIRS, 2), np.nan)

@@ -20,9 +20,9 @@ from robot.camera import FloorView
 from robot.geometry import Array, Pose2, Twist2, heading_vectors
 from robot.interface import Frame
 from robot.scan import Scan
-from robot.scanning.along_rays import between, hidden_of, points_of, ranges_of, unskew
+from robot.scanning.along_rays import hidden_of, points_of, ranges_of, unskew
 from robot.scanning.dashed_edges import judge_dashes
-from robot.scanning.edge_search import differences, find_edges
+from robot.scanning.edge_search import find_edges
 from robot.scanning.ray_table import RayTable
 from robot.scanning.settings import LineScannerSettings
 from robot.scanning.tape import BLACK_TAPE, FoundTape, Look, Tape, looks, nearest_widths
@@ -72,17 +72,6 @@ class LineScan:
         """
         counted = self.widths[self.tape_widths == self.main_width]
         return float(np.median(counted)) if len(counted) else math.nan
-
-    @property
-    def grey(self) -> NDArray[np.uint8]:
-        """(k, m) brightness along the rays, computed on request."""
-        return self.picture.ravel()[self.table.pixel_indices]
-
-    @property
-    def response(self) -> NDArray[np.float32]:
-        """(k, m) response of the edge kernel [grey levels], computed on request."""
-        answers = differences(self.grey.astype(np.int16), self.table.counts, self.kernel)
-        return (answers / self.kernel).astype(np.float32)
 
 
 class LineScanner:
@@ -177,30 +166,19 @@ class LineScanner:
             self._known_widths,
         )
 
-    def entries_and_exits(self, image: NDArray[np.uint8]) -> Array:
-        """Return where each ray that counts enters and leaves tape (k, 2) [samples]; else nan.
-
-        They are as measured: ``scan`` moves entries onto the line of their edge, which is only
-        right if the camera is as described.
-
-        Raises:
-            ValueError: as ``scan``.
-        """
-        return self.tape_and_first_edges(image)[0]
-
     def tape_and_first_edges(self, image: NDArray[np.uint8]) -> tuple[Array, Array]:
-        """Return what ``entries_and_exits`` does, and where rays first meet anything (k, 2).
+        """Return where rays enter and leave tape, and where they first meet anything (k, 2).
 
-        Before, a ray sees bare floor; one that meets nothing has nan, and nan is where it leaves
-        what reaches farther than it sees [samples].
+        In samples; nan for rays that do not count or meet nothing, and where one leaves what
+        reaches farther than it sees. They are as measured: ``scan`` moves entries onto the line of
+        their edge, which is only right if the camera is as described.
 
         Raises:
             ValueError: as ``scan``.
         """
         tape = self._tape_in(self._checked(image), moved=False)
-        edges = tape.edges.copy()
-        edges[tape.verdicts != Verdict.COUNTED] = np.nan
-        return edges, tape.first
+        counted = (tape.verdicts == Verdict.COUNTED)[:, None]
+        return np.where(counted, tape.edges, np.nan), tape.first
 
     def _tape_in(self, picture: NDArray[np.uint8], *, moved: bool = True) -> FoundTape:
         """Return what is found; entries that count are moved to the line of their edge, or not."""
@@ -254,10 +232,6 @@ class LineScanner:
         start, end = self.table.pixels[rays, low], self.table.pixels[rays, low + 1]
         on_chord: Array = start + part * (end - start)
         return on_chord
-
-    def distance(self, ray: int, position: float) -> float:
-        """Return the distance [m] from the centre to a position on a ray [samples]."""
-        return float(between(self.table.distances[ray], position))
 
     def _checked(self, image: NDArray[np.uint8]) -> NDArray[np.uint8]:
         height, width = self._size

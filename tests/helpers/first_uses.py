@@ -11,6 +11,7 @@ from app.engine.build import build_program
 from app.engine.program import Program
 from app.engine.snapshot import Snapshot
 from app.features.navigation.messages import GoalMessage, NavigateCommand
+from app.features.weighing.ray_profile import along_rays
 from app.messages.commands import Command, ScatterCommand, SetParametersCommand, SetPoseCommand
 from app.messages.driving_commands import FigureEightCommand
 from app.settings.config import Config
@@ -67,7 +68,7 @@ def drive_with_each() -> None:
         drive(program, TICKS, change, where(snapshot))
         snapshot = drive(program, TICKS, ScatterCommand(type="scatter"))
     if snapshot.filter.line_scan is not None:
-        _ = snapshot.filter.line_scan.response  # the page asks for it when the user looks at a ray
+        along_rays(snapshot.filter.line_scan)  # the page asks for it when the user looks at a ray
     program.engine.commands.put(where(snapshot))
     for goal in GOALS:
         program.engine.commands.put(goal)

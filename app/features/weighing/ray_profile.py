@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 from fastapi import APIRouter, HTTPException
 
 from app.engine.program import Program
@@ -11,6 +12,9 @@ from app.features.weighing.messages import ProfileMessage
 from app.languages.marking import phrase
 from app.messages.answers import refusal
 from robot.errors import BrickPoseError
+from robot.geometry import Array
+from robot.scanning.along_rays import between
+from robot.scanning.edge_search import differences
 from robot.scanning.line_scanner import LineScan, LineScanner
 from robot.scanning.tape_edges import Verdict
 
@@ -51,17 +55,19 @@ def profile(scanner: LineScanner, line_scan: LineScan, ray: int) -> ProfileMessa
         raise RayError(f"there is no ray {ray}; valid is 0 to {rays - 1}")
     count = int(scanner.table.counts[ray])
     entry, leaving = (
-        None if math.isnan(edge) else scanner.distance(ray, edge) for edge in line_scan.edges[ray]
+        None if math.isnan(edge) else float(between(scanner.table.distances[ray], edge))
+        for edge in line_scan.edges[ray]
     )
     verdict = Verdict(line_scan.verdicts[ray])
     width = line_scan.widths[ray]
+    grey, response = along_rays(line_scan)
     return ProfileMessage(
         stamp=line_scan.scan.stamp,
         ray=ray,
         bearing=float(line_scan.scan.bearings[ray]),
         distances=scanner.table.distances[ray, :count].round(5).tolist(),
-        grey=line_scan.grey[ray, :count].astype(float).tolist(),
-        response=line_scan.response[ray, :count].astype(float).round(1).tolist(),
+        grey=grey[ray, :count].tolist(),
+        response=response[ray, :count].round(1).tolist(),
         threshold=scanner.settings.threshold,
         entry=entry,
         exit=leaving,
@@ -69,6 +75,14 @@ def profile(scanner: LineScanner, line_scan: LineScan, ray: int) -> ProfileMessa
         counted=verdict == Verdict.COUNTED,
         why=_why(scanner, verdict, float(width)),
     )
+
+
+def along_rays(line_scan: LineScan) -> tuple[Array, Array]:
+    """Return brightness and the edge kernel's response along the rays (k, m) [grey levels]."""
+    table = line_scan.table
+    grey = line_scan.picture.ravel()[table.pixel_indices].astype(np.int16)
+    response = differences(grey, table.counts, line_scan.kernel) / line_scan.kernel
+    return grey.astype(float), response
 
 
 def _why(scanner: LineScanner, verdict: Verdict, width: float) -> str:

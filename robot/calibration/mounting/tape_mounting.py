@@ -158,7 +158,7 @@ def _search(
     settings: LineScannerSettings,
 ) -> _Edges:
     scanner = LineScanner(FloorView(lens, described), replace(settings, **LOOSE), taped.tape)
-    pairs = scanner.entries_and_exits(picture)
+    pairs = scanner.tape_and_first_edges(picture)[0]
     pixels = np.concatenate([scanner.pixels(side) for side in pairs.T])
     leaving = np.arange(len(pixels)) >= len(pairs)
     seen = np.isfinite(pixels[:, 0])

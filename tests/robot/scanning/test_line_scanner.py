@@ -15,6 +15,7 @@ from tape_trials import SCANNER, SQUARE, STILL, VIEW, camera_of, drawn
 from robot.fields.field_loading import load_field
 from robot.geometry import Pose2, Twist2
 from robot.interface import Frame
+from robot.scanning.along_rays import between
 from robot.scanning.line_scanner import LineScanner, LineScannerSettings
 from robot.scanning.tape_edges import Verdict
 from robot.settings import SettingError, describe
@@ -42,7 +43,7 @@ def test_a_stripe_of_another_width_is_not_tape(
         assert judged == Verdict.WRONG_WIDTH
         assert scan.widths[45] == pytest.approx(millimetres / 1000, abs=3e-3)
         assert np.isnan(scan.tape_width)
-    measured = np.isfinite(SCANNER.entries_and_exits(scan.picture)).all(axis=1)
+    measured = np.isfinite(SCANNER.tape_and_first_edges(scan.picture)[0]).all(axis=1)
     np.testing.assert_array_equal(measured, scan.verdicts == Verdict.COUNTED)
 
 
@@ -147,7 +148,7 @@ def test_red_tape_is_seen_as_dark_as_it_is(camera: FloorCamera) -> None:
     colour = np.dstack([np.full_like(grey, 200), np.full_like(grey, 60), grey])
     expected_grey = cv2.cvtColor(colour, cv2.COLOR_BGR2GRAY)
     np.testing.assert_array_equal(
-        SCANNER.scan(Frame(0.0, colour)).grey, SCANNER.scan(Frame(0.0, expected_grey)).grey
+        SCANNER.scan(Frame(0.0, colour)).picture, SCANNER.scan(Frame(0.0, expected_grey)).picture
     )
 
 
@@ -227,7 +228,9 @@ def test_a_hit_lies_in_the_picture_where_it_was_measured(camera: FloorCamera) ->
     assert np.isnan(pixels[np.isnan(found.edges[:, 0])]).all()
     ray = int(np.flatnonzero(hit)[0])
     position = float(found.edges[ray, 0])
-    assert SCANNER.distance(ray, position) == pytest.approx(found.scan.ranges[ray], abs=1e-9)
+    assert between(SCANNER.table.distances[ray], position) == pytest.approx(
+        found.scan.ranges[ray], abs=1e-9
+    )
 
 
 def test_one_wrong_width_does_not_change_the_width_that_is_told(camera: FloorCamera) -> None:
@@ -237,19 +240,6 @@ def test_one_wrong_width_does_not_change_the_width_that_is_told(camera: FloorCam
         widths = found.widths.copy()
         widths[np.flatnonzero(found.verdicts == Verdict.COUNTED)[0]] = wrong
         assert replace(found, widths=widths).tape_width == pytest.approx(0.050, abs=5e-4)
-
-
-def test_what_the_rays_saw_is_kept_to_be_shown(camera: FloorCamera) -> None:
-    found = SCANNER.scan(Frame(0.0, camera.picture(Pose2(), STILL)))
-    ray = 45
-    entry, leave = (round(edge) for edge in found.edges[ray])
-    used = SCANNER.table.counts[ray]
-    assert found.grey.shape == found.response.shape == SCANNER.table.distances.shape
-    assert found.grey[ray, (entry + leave) // 2] < 80
-    assert found.grey[ray, 20] > 150
-    response = found.response[ray, :used]
-    assert abs(int(response.argmin()) - entry) <= 1 and abs(int(response.argmax()) - leave) <= 1
-    assert -200 < response.min() < -60 and 60 < response.max() < 200
 
 
 @pytest.mark.parametrize("step", [0.5, 1.0, 3.0])

@@ -77,3 +77,11 @@ def test_pictures_say_what_share_of_rays_returns(noise: float, light: float) -> 
     """The evidence of a miss counts for as much as the picture lets it."""
     returned, said = shares(CameraSettings(noise=noise, light=light))
     assert said == pytest.approx(returned, abs=0.15)
+
+
+@pytest.mark.slow
+def test_on_light_carpet_tape_is_found_and_misses_count_as_they_should() -> None:
+    """Its grain is coarser than pixels: it was no noise, and one ray of eight returned."""
+    returned, said = shares(CameraSettings(texture="carpet", tone="light"))
+    assert returned > 0.95
+    assert said == pytest.approx(returned, abs=0.15)
