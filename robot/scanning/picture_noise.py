@@ -42,11 +42,7 @@ def noise_of(grey: NDArray[np.int16], counts: NDArray[np.int32], apart: int) -> 
 
     ``apart`` is the number of samples to the next one that shares no pixel with the first.
     """
-    bends = np.zeros_like(grey)
-    bends[:, apart:-apart] = (
-        grey[:, : -2 * apart] - 2 * grey[:, apart:-apart] + grey[:, 2 * apart :]
-    )
-    return _median_size(bends, counts, apart) / (0.6745 * math.sqrt(6.0))
+    return _median_size(grey, counts, apart, apart) / (0.6745 * math.sqrt(6.0))
 
 
 @compiled()
@@ -59,17 +55,21 @@ def grain_of(
     see all of it, but the edge kernel does, whose ``responses`` (k, m) are as of ``differences``.
     Samples that share pixels, as ``apart`` says, count as one.
     """
-    return _median_size(responses, counts, half + 1) / (0.6745 * math.sqrt(2.0 * half * apart))
+    return _median_size(responses, counts, half + 1, 0) / (0.6745 * math.sqrt(2.0 * half * apart))
 
 
 @compiled()
-def _median_size(values: NDArray[np.int16], counts: NDArray[np.int32], margin: int) -> float:
-    """Return the median size of some of the values (k, m), not at the ends of rays."""
+def _median_size(
+    values: NDArray[np.int16], counts: NDArray[np.int32], margin: int, bend: int
+) -> float:
+    """Return the median size of some values (k, m), or of second differences over ``bend``."""
     tally = np.zeros(1024, dtype=np.int32)
     total = below = size = 0
     for ray in range(len(counts)):
         for i in range(margin, counts[ray] - margin, _EVERY):
-            tally[min(abs(values[ray, i]), len(tally) - 1)] += 1
+            value = values[ray, i]
+            value = values[ray, i - bend] - 2 * value + values[ray, i + bend] if bend else value
+            tally[min(abs(value), len(tally) - 1)] += 1
             total += 1
     while size < len(tally) - 1 and 2 * (below + tally[size]) < total:
         below += tally[size]
