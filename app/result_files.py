@@ -83,6 +83,18 @@ def require_new(*paths: Path) -> None:
         )
 
 
+def require_new_report(report: Path, profile: Path) -> None:
+    """Make sure that a report of a profile overwrites no file of somebody else.
+
+    A profile that is measured again is kept beside the new one, and its report is written anew.
+
+    Raises:
+        SettingError: the file is there, and no profile that it could be a report of.
+    """
+    if not profile.exists():
+        require_new(report)
+
+
 def _try_to_write(folder: Path) -> None:
     """Write a file and remove it; OSError if that fails."""
     with tempfile.NamedTemporaryFile(prefix=".unfinished-", dir=folder):

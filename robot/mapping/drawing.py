@@ -8,13 +8,13 @@ from xml.sax.saxutils import escape, quoteattr
 import numpy as np
 
 from robot.fields.unseen_floor import SEEN
-from robot.geometry import Array, Pose2
+from robot.geometry import Array
 from robot.mapping.joining import EndName
 from robot.mapping.strokes import Stroke
 from robot.mapping.tidying import TidyStrokes
 
 MARGIN_MM = 250
-"""Floor around the tape [mm]."""
+"""Floor around the tape, and around where the robot was [mm]."""
 DARK, LIGHT = "#202225", "#f2f1ec"
 """Colours of tape that is darker, and lighter, than the floor."""
 FLOORS = {(False,): "#d7d5cf", (True,): "#3a3c40", (False, True): "#6e6e6b"}
@@ -25,7 +25,7 @@ tape only if it differs that much from the floor (``drawn_tape``)."""
 def drawing(
     tidy: TidyStrokes,
     width: float,
-    start: Pose2,
+    path: Array,
     title: str,
     seen: Sequence[Array] = (),
     statements: Sequence[str] = (),
@@ -36,17 +36,19 @@ def drawing(
     Args:
         tidy: the strokes [m].
         width: of the tape [m].
-        start: where the robot starts, in the map.
+        path: (k, 3) where the robot was, in the map [m, m, rad]; all of it is on the floor, and
+            it starts at the first.
         title: for people.
         seen: outlines (n, 2) of the floor that was looked at [m]; all of it if there is none.
         statements: what is said of the map, for people.
         fit: the same as data, in JSON (``FitQuality.table``).
     """
-    points = 1e3 * np.vstack([stroke.points for stroke in tidy.strokes])
+    points = 1e3 * np.vstack([path[:, :2], *(stroke.points for stroke in tidy.strokes)])
     low, high = np.floor(points.min(axis=0)) - MARGIN_MM, np.ceil(points.max(axis=0)) + MARGIN_MM
     # SVG's y points down.
     left, top, across, down = low[0], -high[1], high[0] - low[0], high[1] - low[1]
-    begin = f"{1e3 * start.x:g} {1e3 * start.y:g} {np.degrees(start.theta):g}"
+    x, y, theta = path[0].tolist()
+    begin = f"{1e3 * x:g} {1e3 * y:g} {np.degrees(theta):g}"
     shades = tuple(sorted({stroke.light for stroke in tidy.strokes}))
     looked = f' {SEEN}="{"; ".join(map(_outline, seen))}"' if seen else ""
     words = escape("; ".join(statements))

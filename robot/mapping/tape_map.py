@@ -13,7 +13,7 @@ from robot.calibration.adjustment import Solution
 from robot.errors import BrickPoseError
 from robot.estimation.fit_quality import FitQuality
 from robot.fields.occupancy_grid import OccupancyGrid
-from robot.geometry import Array, Pose2
+from robot.geometry import Array
 from robot.mapping.agreement import Agreement
 from robot.mapping.crossings import BareFloor
 from robot.mapping.drawing import drawing
@@ -98,11 +98,6 @@ class TapeMap:
         The map begins where the robot began, so its places are less certain the farther they are.
         """
         return node_sd(self.measured, self.solution)
-
-    @property
-    def first_pose(self) -> Pose2:
-        """Pose of the robot at the first picture, in the map."""
-        return Pose2.from_array(self.solution.state.poses[0])
 
     @property
     def moved_at(self) -> float | None:
@@ -211,7 +206,8 @@ class TapeMap:
         """Return the map as an SVG, for ``load_field``."""
         seen = self.seen.outlines()
         words, fit = (*self.facts, *self.remarks), json.dumps(self.quality.table())
-        return drawing(self.tidy, self.measured.width, self.first_pose, title, seen, words, fit)
+        path = self.solution.state.poses
+        return drawing(self.tidy, self.measured.width, path, title, seen, words, fit)
 
 
 def steadiness(strokes: Sequence[Stroke]) -> float:

@@ -102,3 +102,33 @@ def test_an_earlier_map_is_not_written_over(tmp_path, capsys, method, ending):
     assert precious.read_text() == "precious"
     assert main(["map", source, "--method", method, "--out", str(out), "--force"]) != 0
     assert "overwritten" not in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("command", "out", "taken"),
+    [
+        (("lens", "absent.png"), "camera.yaml", "camera.yaml"),
+        (("lens", "absent.png"), "camera.yaml", "camera.html"),
+        (("lens", "absent.png"), "robot.toml", "robot.html"),
+        (("mounting", "absent.png"), "robot.toml", "robot.png"),
+        (("drive", "absent.mcap"), "robot.toml", "robot.html"),
+        (("drive", "absent", "--odometry", "absent.tum"), "camera.yaml", "camera.yaml"),
+        (("drive", "absent", "--odometry", "absent.tum"), "camera.yaml", "camera.html"),
+    ],
+)
+def test_no_calibration_is_written_over_a_file_of_somebody_else(
+    tmp_path, monkeypatch, capsys, command, out, taken
+):
+    monkeypatch.chdir(tmp_path)
+    precious = tmp_path / taken
+    precious.write_text("precious")
+    told = refused(capsys, "calibrate", *command, "--out", out)
+    assert told == f"brickpose: {taken} would be overwritten; valid is another name, or --force\n"
+    assert precious.read_text() == "precious"
+    assert main(["calibrate", *command, "--out", out, "--force"]) != 0
+    assert "overwritten" not in capsys.readouterr().err
+    if out.endswith(".toml"):
+        # The report of a profile that is measured again is written anew.
+        (tmp_path / out).write_text("")
+        assert main(["calibrate", *command, "--out", out]) != 0
+        assert "overwritten" not in capsys.readouterr().err

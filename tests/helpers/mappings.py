@@ -166,7 +166,9 @@ def held(drawn: TapeMap, poses: Array, taped: Field) -> Array:
 
     The map lies on the floor as its first picture does; points of tape that is none count not.
     """
-    floor_from_map = Pose2.from_array(poses[0]) @ drawn.first_pose.inverse()
+    floor_from_map = (
+        Pose2.from_array(poses[0]) @ Pose2.from_array(drawn.solution.state.poses[0]).inverse()
+    )
     points, sides, sd = [], [], []
     for stroke in drawn.measured.each:
         across = stroke.across @ _rotation(floor_from_map.theta).T

@@ -17,14 +17,22 @@ WALLS = np.array(
     float,
 )
 """(m, 4) of a room of 6 by 4 m with a box in it [m]."""
+HALL = np.array(
+    [
+        *((-2, -1, 8, -1), (8, -1, 8, 6.5), (8, 6.5, -2, 6.5), (-2, 6.5, -2, -1)),
+        *((2.8, 1.6, 3.1, 2.4), (3.1, 2.4, 2.8, 1.6), (6, 4.5, 8, 4.5), (0, 5, 0, 6.5)),
+    ],
+    float,
+)
+"""(m, 4) of another building, in which the robot can drive the same way [m]."""
 BEARINGS = np.radians(np.arange(-90, 90))
 NOISE_M = 0.01
 
 
-def ranges(pose: Pose2) -> Array:
+def ranges(pose: Pose2, walls: Array = WALLS) -> Array:
     """How far each beam of a laser is from the first wall [m]."""
     way = np.column_stack([np.cos(BEARINGS + pose.theta), np.sin(BEARINGS + pose.theta)])[:, None]
-    start, along = WALLS[:, :2] - (pose.x, pose.y), WALLS[:, 2:] - WALLS[:, :2]
+    start, along = walls[:, :2] - (pose.x, pose.y), walls[:, 2:] - walls[:, :2]
     sine = way[..., 0] * along[:, 1] - way[..., 1] * along[:, 0]
     with np.errstate(divide="ignore", invalid="ignore"):
         far = (start[:, 0] * along[:, 1] - start[:, 1] * along[:, 0]) / sine
@@ -32,7 +40,9 @@ def ranges(pose: Pose2) -> Array:
     return np.where((far > 0) & (part >= 0) & (part <= 1), far, np.inf).min(axis=1)
 
 
-def lap(seed: int, looks: int = 60) -> tuple[list[Pose2], list[Pose2], list[Scan]]:
+def lap(
+    seed: int, looks: int = 60, walls: Array = WALLS
+) -> tuple[list[Pose2], list[Pose2], list[Scan]]:
     """A lap around the box: true poses, the steps by odometry that drifts, and the scans."""
     rng = np.random.default_rng(seed)
     turns = np.linspace(0, 2.2 * math.pi, looks)
@@ -53,7 +63,7 @@ def lap(seed: int, looks: int = 60) -> tuple[list[Pose2], list[Pose2], list[Scan
             )
         )
     scans = [
-        Scan(0.5 * k, BEARINGS, ranges(pose) + rng.normal(0, NOISE_M, len(BEARINGS)))
+        Scan(0.5 * k, BEARINGS, ranges(pose, walls) + rng.normal(0, NOISE_M, len(BEARINGS)))
         for k, pose in enumerate(true)
     ]
     return true, steps, scans

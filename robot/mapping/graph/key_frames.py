@@ -43,6 +43,12 @@ class KeyFrames:
         self.surfaces.append(surfaces)
         return self.graph.add_pose(pose)
 
+    def forget_from(self, node: int) -> None:
+        """Forget a node and all after it, with what was measured of them."""
+        del self.surfaces[node:]
+        self.graph.poses = self.graph.poses[:node]
+        self.graph.keep_constraints([each for each in self.graph.constraints if each.end < node])
+
     def telling(self, nodes: Iterable[int]) -> list[int]:
         """Return those nodes whose scans have enough points."""
         return [node for node in nodes if len(self.surfaces[node]) >= FEWEST]

@@ -108,8 +108,14 @@ class PoseGraph:
         parts = ConstraintArrays.of(constraints)
         return parts.squares(parts.residuals(self.poses))
 
-    def covariance(self, node: int, other: int) -> Array:
-        """Return the covariance (3, 3) of a node's pose in another's frame [m, m, rad]."""
+    def covariance(self, node: int, other: int, own: Array | None = None) -> Array:
+        """Return the covariance (3, 3) of a node's pose in another's frame [m, m, rad].
+
+        Args:
+            node: whose pose it is.
+            other: from where it is seen.
+            own: (3, 3) what each of both poses is uncertain by besides, which no constraint shows.
+        """
         if self._solved is None:
             parts = ConstraintArrays.of(self.constraints)
             weights = parts.weights(parts.residuals(self.poses))
@@ -122,8 +128,12 @@ class PoseGraph:
                 sides[rows, range(column, column + 3)] = 1.0
         # The change of the end's pose with both poses, times their joint covariance.
         pair = Constraint(other, node, Pose2(), np.eye(3))
-        change = ConstraintArrays.of([pair]).jacobian(self.poses, np.ones(1)).toarray()[:, 3:]
+        both = ConstraintArrays.of([pair]).jacobian(self.poses, np.ones(1)).toarray()
+        change = both[:, 3:]
         relative: Array = change @ self._solved.solve(np.ascontiguousarray(change.T))
+        for place in (node, other) if own is not None and node != other else ():
+            turn = both[:, 3 * place : 3 * place + 3]
+            relative = relative + turn @ own @ turn.T
         return (relative + relative.T) / 2
 
 

@@ -18,7 +18,7 @@ from app.command_line import main
 from app.engine.build import load_field
 from app.settings.config import MAPS
 from robot.calibration.drive_log import DriveLog
-from robot.estimation.fit_quality import FitQuality
+from robot.estimation.fit_quality import ContradictionError, FitQuality
 from robot.fields.svg_field import field_of_drawing
 from robot.geometry import Array, Pose2
 from robot.mapping.bare_floor import BIN, gaps
@@ -46,6 +46,8 @@ def wave(count: int) -> Array:
 RING = Stroke(arc(0.3, 2 * math.pi, 13)[:-1], curved=True, closed=True)
 CURVE = Stroke(wave(7), curved=True)
 LINE = Stroke(np.array([[0.1, -0.4], [0.7, -0.2]]))
+AT_ORIGIN = np.zeros((1, 3))
+"""Where a robot was that stood at the origin."""
 
 
 @pytest.mark.slow
@@ -109,7 +111,7 @@ def test_strokes_that_meet_in_corners_are_drawn_as_the_square_is() -> None:
     strokes[2] = strokes[2].reversed
     ends = ((0, True), (1, False)), ((1, True), (2, True)), ((2, False), (3, False))
     tidy = TidyStrokes(tuple(strokes), (*ends, ((3, True), (0, False))), {})
-    text = drawing(tidy, WIDTH, Pose2(), "A <square>")
+    text = drawing(tidy, WIDTH, AT_ORIGIN, "A <square>")
     assert text.count("<path") == 1
     (tape,) = load_field("square", MAPS).tape
     field = field_of_drawing(text, "own")
@@ -118,8 +120,20 @@ def test_strokes_that_meet_in_corners_are_drawn_as_the_square_is() -> None:
     np.testing.assert_allclose(own, truth, atol=1e-5)
 
 
+@given(
+    st.lists(st.tuples(*[st.floats(-8.0, 8.0)] * 2, st.floats(-3.1, 3.1)), min_size=1, max_size=4)
+)
+def test_a_drawing_has_all_of_the_floor_that_the_robot_was_on(poses: list[tuple]) -> None:
+    # It may begin and end far from any tape that it saw.
+    path = np.array(poses)
+    field = field_of_drawing(drawing(TidyStrokes((CURVE,), (), {}), WIDTH, path, "own"), "own")
+    np.testing.assert_allclose(field.start.to_array(), path[0], atol=1e-5)
+    for pose in path:
+        field.require_inside(Pose2.from_array(pose))
+
+
 def test_a_curve_is_drawn_exactly() -> None:
-    field = field_of_drawing(drawing(TidyStrokes((CURVE,), (), {}), WIDTH, Pose2(), "own"), "own")
+    field = field_of_drawing(drawing(TidyStrokes((CURVE,), (), {}), WIDTH, AT_ORIGIN, "own"), "own")
     away = distances(field.edges.reshape(-1, 2), CURVE)
     assert np.abs(away - WIDTH / 2).max() < 3e-4
 
@@ -365,3 +379,16 @@ def test_dashes_are_cut_apart_and_a_ring_opens() -> None:
         for piece in pieces:
             assert distances(piece.points, whole).max() < 0.001
     assert list(pieces_of(LINE, Crossings(places, np.zeros(0)))) == [LINE]
+
+
+@pytest.mark.slow
+def test_a_map_that_came_apart_says_so() -> None:
+    """Two laps over a generated field, whose adjustment has not found to its end by now."""
+    taped = load_field("generated-40305", MAPS)
+    drawn, poses = mapped("generated-40305", 84305, seconds=60.0, steer=Tour(taped, 2))
+    if errors_of(drawn, poses, taped).mean > 0.002:
+        assert not drawn.fits
+        assert any("did not come to an end" in words for words in drawn.remarks)
+        assert any("rays across it saw bare floor" in words for words in drawn.remarks)
+        with pytest.raises(ContradictionError, match="it is not kept"):
+            drawn.quality.require_consistent()

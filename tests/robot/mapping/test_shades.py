@@ -39,8 +39,8 @@ def white(folder: Path, name: str) -> str:
     "chosen", [STROKES, STROKES[:1], STROKES[1:]], ids=["both", "light", "dark"]
 )
 def test_a_drawing_has_the_shades_of_its_tape(chosen: tuple[Stroke, ...]) -> None:
-    start = Pose2(*chosen[0].nodes[0].tolist())
-    field = field_of_drawing(drawing(TidyStrokes(chosen, (), {}), WIDTH, start, "Shades"), "own")
+    path = np.array([[*chosen[0].nodes[0], 0.0]])
+    field = field_of_drawing(drawing(TidyStrokes(chosen, (), {}), WIDTH, path, "Shades"), "own")
     assert {kind.light for kind in field.tape} == {stroke.light for stroke in chosen}
     assert len(field.edges) == 4 * len(chosen)
 
@@ -61,7 +61,8 @@ def test_a_stroke_has_the_shade_that_most_rays_saw() -> None:
 
 
 def test_a_scanner_of_both_shades_tells_which_it_saw() -> None:
-    field = field_of_drawing(drawing(TidyStrokes(STROKES, (), {}), WIDTH, Pose2(), "Both"), "own")
+    path = np.zeros((1, 3))
+    field = field_of_drawing(drawing(TidyStrokes(STROKES, (), {}), WIDTH, path, "Both"), "own")
     spec = RobotSpec.load()
     settings = LineScannerSettings(tape_brightness="either")
     recorder = DriveRecorder(spec, settings, (Tape(WIDTH),), calibrated=True)

@@ -24,7 +24,7 @@ from app.files import atomic_file
 from app.messages.commands import PauseCommand
 from app.messages.driving_commands import DriveCommand
 from app.options import config_file, config_from
-from app.result_files import require_writable
+from app.result_files import require_new_report, require_writable
 from app.settings.config import AUTO, Config
 from app.settings.profile_files import profile_before, write_profile
 from app.settings.profiles import NONE
@@ -73,6 +73,8 @@ def calibrate_drive(given: dict[str, Any]) -> int:
     pose = None if start is None else Pose2(*start)
     page = given.pop("report", out.with_suffix(".html"))
     require_writable(out, page)
+    if not force:
+        require_new_report(page, out)
     recording = given.pop("recording", None)
     report = _show if sys.stderr.isatty() else _silent
     if recording is None:

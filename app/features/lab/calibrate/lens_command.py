@@ -13,7 +13,7 @@ from app.engine.robots import robot_kind
 from app.features.lab.calibrate.lens_report import lens_report
 from app.features.lab.calibrate.pictures import board_of, find_in, picture_files, read_grey
 from app.files import atomic_file
-from app.result_files import require_writable
+from app.result_files import require_new, require_new_report, require_writable
 from app.settings.config import AUTO, Config
 from app.settings.profile_files import profile_before, with_lens, write_profile
 from robot.calibration.lens.board import Board
@@ -49,6 +49,8 @@ def calibrate_lens_command(given: dict[str, Any]) -> int:
     form, out = _file_of(given.pop("format", None), given.pop("out", None))
     report = given.pop("report", out.with_suffix(".html"))
     require_writable(out, report)
+    if not force:
+        _require_new(out, report)
     spec = robot_kind(Config(robot=given.pop("robot", AUTO))).description()
     before = profile_before(out, spec) if out.suffix == ".toml" else None
     files = picture_files(given.pop("pictures"))
@@ -82,6 +84,14 @@ def calibrate_lens_command(given: dict[str, Any]) -> int:
         write_profile(out, profile)
     say(f"the lens is in {out}, a report in {report}")
     return 0
+
+
+def _require_new(out: Path, report: Path) -> None:
+    """Refuse to write over a lens file, or over a file that is no report of a profile."""
+    if out.suffix == ".toml":
+        require_new_report(report, out)
+    else:
+        require_new(out, report)
 
 
 def _require_size(files: Sequence[Path], lens: Lens, out: Path) -> None:

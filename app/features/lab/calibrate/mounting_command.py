@@ -16,7 +16,7 @@ from app.features.lab.calibrate.floor_grid import draw_floor
 from app.features.lab.calibrate.pictures import board_of, find_in, read_grey
 from app.features.lab.chosen_lens import read_chosen_lens
 from app.files import atomic_file
-from app.result_files import require_writable
+from app.result_files import require_new_report, require_writable
 from app.settings.config import AUTO, MAPS, Config
 from app.settings.profile_files import profile_before, with_lens, with_mounting, write_profile
 from robot.calibration.lens.sighting import Grey, SightingError
@@ -61,6 +61,8 @@ def calibrate_mounting(given: dict[str, Any]) -> int:
     out, force = given.pop("out", OUT), given.pop("force", False)
     report = given.pop("report", out.with_suffix(".png"))
     require_writable(out, report)
+    if not force:
+        require_new_report(report, out)
     spec = robot_kind(Config(robot=given.pop("robot", AUTO))).description()
     before = profile_before(out, spec)
     if "camera" in given:

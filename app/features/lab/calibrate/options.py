@@ -103,7 +103,9 @@ def _millimetres(text: str) -> float:
 
 def _add_force(command: argparse.ArgumentParser) -> None:
     command.add_argument(
-        "--force", action="store_true", help="write a result that contradicts itself, too"
+        "--force",
+        action="store_true",
+        help="write a result that contradicts itself, too, and over files that are there",
     )
 
 

@@ -31,7 +31,7 @@ from app.features.lab.localize.pictures.sequence import (
 from app.features.lab.trajectories.reading import read_trajectory
 from app.files import atomic_file
 from app.options import config_file
-from app.result_files import require_writable
+from app.result_files import require_new, require_writable
 from app.settings.config import MAPS
 from app.trajectories.trajectory import Trajectory
 from robot.calibration.adjustment import CalibrationError
@@ -83,15 +83,12 @@ def calibrate_pictures(given: dict[str, Any]) -> int:
             raise SettingError(
                 f"--{name.replace('_', '-')} has no effect with a folder of pictures"
             )
-    folder, out = given.get("recording"), given.get("out", OUT)
+    folder, seconds = given.get("recording"), given.get("seconds", MOST_S)
     if folder is None:
         raise SettingError("--odometry is of a folder of pictures; valid is drive PICTURES")
-    if out.suffix not in SUFFIXES:
-        raise SettingError(f"--out is {out}; valid is a file that ends in {' or '.join(SUFFIXES)}")
-    page, seconds = given.get("report", out.with_suffix(".html")), given.get("seconds", MOST_S)
+    out, page = _written(given)
     if not SHORTEST_S <= seconds <= MOST_S:
         raise SettingError(f"--seconds is {seconds:g}; valid is {SHORTEST_S:g} to {MOST_S:g}")
-    require_writable(out, page)
     config = config_file(given)
     taped = load_field(given.get("map", config.map), MAPS)
     if not taped.tape:
@@ -119,6 +116,22 @@ def calibrate_pictures(given: dict[str, Any]) -> int:
         new.write_text(camera_text(result), encoding="utf-8")
     say(f"the camera is in {out}, a report in {page}; use it by: brickpose localize --camera {out}")
     return 0
+
+
+def _written(given: dict[str, Any]) -> tuple[Path, Path]:
+    """Return the files for the camera and for its report, which can be written and are not there.
+
+    Raises:
+        SettingError: they cannot be.
+    """
+    out = given.get("out", OUT)
+    if out.suffix not in SUFFIXES:
+        raise SettingError(f"--out is {out}; valid is a file that ends in {' or '.join(SUFFIXES)}")
+    page = given.get("report", out.with_suffix(".html"))
+    require_writable(out, page)
+    if not given.get("force", False):
+        require_new(out, page)
+    return out, page
 
 
 def picture_drive(

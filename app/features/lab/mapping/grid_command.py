@@ -6,6 +6,7 @@ import argparse
 import json
 import math
 import sys
+from collections import deque
 from collections.abc import Iterator
 from itertools import chain, count
 from pathlib import Path
@@ -20,12 +21,16 @@ from app.trajectories.tum_file import write_tum
 from robot.estimation.fit_quality import FitQuality
 from robot.fields.grid_map import save_map_yaml
 from robot.geometry import Pose2
-from robot.mapping.graph.graph_slam import GraphSettings, GraphSlam
+from robot.mapping.graph.graph_slam import TORN_AFTER, GraphSettings, GraphSlam
 from robot.mapping.grid.cell_mapper import CellMapper
 from robot.mapping.grid.fast_slam import FEWEST_MET, TAPE, WALLS, FastSlam
 from robot.mapping.tape_map import MappingError
 from robot.settings import SettingError
 
+PAUSE_S = 30.0
+"""A robot that takes no scan on its way for so long may have been carried [s]."""
+JUMP = 2.0
+"""A step of odometry that is so many times the longest one around may be none."""
 WITHIN_95 = 2.45
 """Deviations of a place in the plane that 95 % lie within."""
 
@@ -50,10 +55,9 @@ def map_in_cells(parsed: argparse.Namespace, method: str, *, laser: bool) -> int
     looks = iter((scans if laser else pictures)(parsed))
     names = _names(out, parsed.force)
     name, drawn = next(names), 0
-    following = next(looks, None)
-    while following is not None:
+    while (first := next(looks, None)) is not None:
         mapper = _mapper(parsed, method, laser)
-        stamps, following = _draw(mapper, following, looks)
+        stamps, looks = _draw(mapper, first, looks)
         if stamps:
             _write(mapper, stamps, name, force=parsed.force)
             name, drawn = next(names), drawn + 1
@@ -114,24 +118,57 @@ def _mapper(parsed: argparse.Namespace, method: str, laser: bool) -> CellMapper:
 
 def _draw(
     mapper: CellMapper, first: Observation, looks: Iterator[Observation]
-) -> tuple[list[float], Observation | None]:
+) -> tuple[list[float], Iterator[Observation]]:
     """Draw the looks of a drive.
 
     Returns:
-        Their stamps [s], none if there is nothing to draw; and the first look of the next drive.
+        Their stamps [s], none if there is nothing to draw; and the looks of the drives after it.
     """
     stamps: list[float] = []
-    has_met, following = False, None
+    newest = deque[Observation](maxlen=2 * TORN_AFTER)
+    loose: list[int] = []
+    has_met, left = False, looks
     for look in chain([first], looks):
         if look.begins and stamps:
-            following = look
+            left = chain([look], looks)
             break
         mapper.update(look.moved, look.beams)
         stamps.append(look.stamp)
+        newest.append(look)
         has_met |= bool(np.count_nonzero(look.beams.hit) >= FEWEST_MET)
         if sys.stderr.isatty():
             sys.stderr.write(f"\r{len(stamps)} looks are drawn")
+        if not isinstance(mapper, GraphSlam) or (torn := mapper.torn()) is None:
+            continue
+        if not _is_break([*newest]):
+            loose.append(torn)
+            continue
+        mapper.forget_from(torn)
+        say(
+            f"{stamps[torn] - stamps[0]:.0f} s after the start another map begins: what the laser "
+            "sees from there on fits nothing before, so it is another building, or the robot was "
+            "carried"
+        )
+        del stamps[torn:]
+        begun, *others = [*newest][TORN_AFTER:]
+        left = chain([begun._replace(moved=Pose2(), begins=True)], others, looks)
+        break
     if len(stamps) < 2 or not has_met:
-        return [], following
+        return [], left
     mapper.finish()
-    return stamps, following
+    for node in loose:
+        if isinstance(mapper, GraphSlam) and not mapper.is_tied(node):
+            say(
+                f"{stamps[node] - stamps[0]:.0f} s after the start the wheels alone tell how the "
+                "map goes on: what the laser sees from there on fits nothing before"
+            )
+    return stamps, left
+
+
+def _is_break(looks: list[Observation]) -> bool:
+    """Return whether clock or odometry jump at the middle one of some looks."""
+    middle = len(looks) // 2
+    steps = [math.hypot(look.moved.x, look.moved.y) for look in looks]
+    step = steps.pop(middle)
+    paused = looks[middle].stamp - looks[middle - 1].stamp > PAUSE_S
+    return paused or step > JUMP * max(steps)

@@ -15,6 +15,7 @@ from app.command_line import main
 from app.features.lab.trajectories.reading import parse_tum
 from robot.fields.grid_map import load_map_yaml
 from robot.geometry import Pose2
+from robot.mapping.graph.detours import straighten
 from robot.mapping.graph.graph_slam import GraphSettings, GraphSlam
 from robot.mapping.grid.beams import Beams
 from robot.scan import Scan
@@ -48,7 +49,9 @@ def test_a_lap_in_a_room_becomes_its_walls() -> None:
     places = np.argwhere(slam.grid.occupied)[:, ::-1] + 0.5
     assert (rooms.from_walls(slam.grid.origin.apply(places * slam.grid.resolution)) < 0.1).all()
     assert slam.loops > 0
-    assert slam.position_sd().max() < 0.05
+    graph_sd = [np.sqrt(np.diag(slam.graph.covariance(k, 0))[:2]).max() for k in range(1, 60)]
+    assert max(graph_sd) < 0.05
+    assert slam.position_sd().max() < 0.08
 
 
 def test_the_same_drive_gives_the_same_bytes() -> None:
@@ -63,6 +66,55 @@ def test_odometry_that_jumps_is_not_believed() -> None:
     steps[20] = Pose2(0.9, -0.6, 0.5) @ steps[20]
     slam = drawn(steps, scans, true[0])
     assert max(errors(slam, true)) < 0.04
+
+
+def test_a_scan_from_elsewhere_is_no_place_that_is_claimed() -> None:
+    true, steps, scans = rooms.lap(2)
+    elsewhere = true[30] @ Pose2(0.45, 0.3, 0.0)
+    scans[30] = Scan(scans[30].stamp, rooms.BEARINGS, rooms.ranges(elsewhere))
+    slam = drawn(steps, scans, true[0])
+    off, claimed = np.array(errors(slam, true)), 2.45 * slam.position_sd()
+    assert off[30] > 0.4
+    assert (off <= claimed).all()
+    assert np.delete(off, 30).max() < 0.03
+    assert list(slam.doubtful) == [30]
+    assert not lap(1)[0].doubtful
+
+
+def test_a_scan_that_was_matched_beside_the_way_is_matched_again() -> None:
+    true, steps, scans = rooms.lap(5)
+    slam = drawn(steps, scans, true[0])
+    graph, wrong = slam.graph, Pose2(0.4, 0.3, 0.0)
+    kept = [
+        each for each in graph.constraints if each.by_odometry or 20 not in (each.begin, each.end)
+    ]
+    moved = [
+        replace(each, moved=each.moved @ wrong)
+        for each in graph.constraints
+        if each.end == 20 and not each.by_odometry
+    ]
+    graph.keep_constraints(kept + moved)
+    graph.poses[20] = (graph.pose(20) @ wrong).to_array()
+    graph.adjust()
+    assert errors(slam, true)[20] > 0.3
+    assert straighten(slam._known) == {}
+    assert max(errors(slam, true)) < 0.03
+
+
+def through_a_door(between: Pose2) -> list[int]:
+    """Where a path is torn that leads on from a room into a hall, by odometry."""
+    slam, torn = GraphSlam(GraphSettings(), Pose2()), []
+    _, steps, scans = rooms.lap(6, 30)
+    _, others, later = rooms.lap(7, 30, rooms.HALL)
+    for step, scan in zip([*steps, between, *others[1:]], [*scans, *later], strict=True):
+        slam.update(step, Beams.of_scan(scan, 20.0))
+        torn += [] if slam.torn() is None else [slam.torn()]
+    return torn
+
+
+@pytest.mark.parametrize("between", [Pose2(), Pose2(0.3, 0.0, 0.1), Pose2(4.0, 1.0, 2.0)])
+def test_a_path_is_torn_where_only_odometry_leads_on(between: Pose2) -> None:
+    assert through_a_door(between) == [30]
 
 
 def test_scans_that_tell_nothing_are_bridged_by_odometry() -> None:
@@ -167,6 +219,40 @@ def test_each_drive_in_a_log_becomes_a_map_of_its_own(
     ]
     assert lengths == [8, 9]
     assert (tmp_path / "both-2.yaml").read_text() == "taken"
+
+
+def in_two_buildings(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], pause: float, jump: Pose2
+) -> tuple[str, list[Path]]:
+    """What is said of a log of two buildings, and its maps; no head, clock or laser tells."""
+    log = tmp_path / "both.log"
+    _, steps, scans = rooms.lap(6)
+    _, others, later = rooms.lap(7, walls=rooms.HALL)
+    later = [replace(scan, stamp=scan.stamp + 30.0 + pause) for scan in later]
+    rooms.write_log(log, [*steps, jump, *others[1:]], [*scans, *later], Pose2())
+    assert main(["map", str(log), "--out", str(tmp_path / "both.yaml")]) == 0
+    return capsys.readouterr().out, sorted(tmp_path.glob("*.tum"))
+
+
+@pytest.mark.parametrize(
+    ("pause", "jump"), [(60.0, Pose2()), (0.0, Pose2(2.0, 1.0, 0.0))], ids=["pause", "jump"]
+)
+def test_two_buildings_in_a_log_are_two_maps(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], pause: float, jump: Pose2
+) -> None:
+    said, maps = in_two_buildings(tmp_path, capsys, pause, jump)
+    assert "s after the start another map begins: what the laser sees from there on" in said
+    assert [path.name for path in maps] == ["both-2.tum", "both.tum"]
+    second, first = (parse_tum(path.read_text(), "path").stamps for path in maps)
+    assert first[-1] < 30.0 + pause <= second[0]
+
+
+def test_a_map_that_goes_on_by_wheels_alone_says_so(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    said, maps = in_two_buildings(tmp_path, capsys, 0.0, Pose2())
+    assert "s after the start the wheels alone tell how the map goes on" in said
+    assert len(maps) == 1
 
 
 def test_a_graph_needs_a_laser(capsys: pytest.CaptureFixture[str]) -> None:

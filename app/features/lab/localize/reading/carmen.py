@@ -84,7 +84,7 @@ class CarmenLog:
         if not seen:
             raise BagError(f"{self._path}: {first or cut or NOTHING}")
         if cut is not None:
-            self.remarks.append(f"{cut}: the scans before it are used")
+            self.remarks.append(f"{cut}: the {len(seen)} scans before it are used")
         if broken:
             self.remarks.append(f"broken lines that were left out: {len(broken)} ({first})")
         seen, set_back = with_steady_clock(seen)
@@ -118,7 +118,7 @@ class CarmenLog:
 
         A text comes last, if the file ends before its end: it says why.
         """
-        offset, number, is_begun = 0.0, 0, False
+        offset, number, is_begun, usual = 0.0, 0, False, dict[str, int]()
         opened = gzip.open if self._path.suffix == ".gz" else open
         try:
             with opened(self._path, "rt", encoding="utf-8", errors="replace") as file:
@@ -127,14 +127,18 @@ class CarmenLog:
                     kind = words[0] if words else ""
                     is_begun |= kind.startswith("#")
                     try:
+                        if not line.endswith("\n") and len(words) < usual.get(kind, 0):
+                            # Half of a number is a number, too.
+                            yield number - 1, f"line {number} ends in its middle", False
+                            return
                         if words[:2] == ["PARAM", OFFSET]:
                             offset = float(words[2])
                         elif kind == "FLASER":
                             yield number, _front_laser(words, offset), is_begun
-                            is_begun = False
+                            is_begun, usual[kind] = False, len(words)
                         elif kind == "ROBOTLASER1":
                             yield number, _robot_laser(words), is_begun
-                            is_begun = False
+                            is_begun, usual[kind] = False, len(words)
                     except (ValueError, IndexError):
                         yield number, ValueError(f"a broken {kind} message"), False
         except (OSError, EOFError, zlib.error) as error:

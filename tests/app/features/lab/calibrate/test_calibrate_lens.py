@@ -155,7 +155,7 @@ def test_bad_input_is_told_and_nothing_is_overwritten(
         path.unlink()
     out = tmp_path / "camera.yaml"
     out.write_text("as before")
-    assert run(folder, "--out", out, *options) == code
+    assert run(folder, "--out", out, "--force", *options) == code
     assert words in capsys.readouterr().err
     assert out.read_text() == "as before"
 

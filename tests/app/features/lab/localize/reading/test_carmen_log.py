@@ -59,6 +59,23 @@ def test_of_a_log_that_is_cut_off_the_whole_scans_are_kept(tmp_path: Path) -> No
     assert 3 <= len(drive) < 12
 
 
+@pytest.mark.parametrize("lost", [1, 12, 25, 300])
+def test_half_of_a_last_line_is_no_scan(tmp_path: Path, lost: int) -> None:
+    path = tmp_path / "short.log"
+    written(path)
+    # Without one letter only a stamp that nobody reads is shorter; without more, one that is read.
+    path.write_text(path.read_text()[: -1 - lost])
+    (drive,), remarks = read(path)
+    assert len(drive) == (12 if lost == 1 else 11)
+    np.testing.assert_allclose(
+        [measured.scan.stamp for measured in drive], 0.5 * np.arange(len(drive))
+    )
+    words = (
+        "the file is cut off or damaged after line 25 (line 26 ends in its middle): the 11 scans"
+    )
+    assert remarks == ([] if lost == 1 else [f"{words} before it are used"])
+
+
 @pytest.mark.parametrize(
     "odd",
     [
