@@ -141,6 +141,7 @@ def test_a_browser_signs_in_and_comes_back_to_the_page_that_it_asked_for(browser
     assert told == {
         "who": "ada",
         "role": "drive",
+        "why": None,
         "code": True,
         "host": "localhost",
         "origin": None,
