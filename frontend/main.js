@@ -20,7 +20,7 @@ import { DrawLoop } from "./page/draw_loop.js";
 import { welcomeFiles } from "./page/dropped.js";
 import { find, findButton, findInput } from "./page/elements.js";
 import { FirstStart } from "./page/first_start.js";
-import { offerLanguages, t } from "./page/language.js";
+import { offerLanguages, t, translated } from "./page/language.js";
 import { refreshPalette } from "./page/palette.js";
 import { More } from "./page/more.js";
 import { keepName, liveAddress, personName } from "./page/person.js";
@@ -102,6 +102,9 @@ const view3d = new View3d(appearance, order, (target) => {
   target.addEventListener("pointerdown", dismissByPress, true);
   target.addEventListener("keydown", (event) => layout.escape(event));
 });
+for (const title of document.querySelectorAll("main > [data-script] h2")) {
+  title.textContent = translated(title.textContent ?? "");
+}
 /** @type {import("./page/added_panels.js").AddedPanels | null} */
 let added = null;
 if (document.querySelector("main > [data-script]")) {
@@ -221,9 +224,7 @@ async function checkAccess() {
   if (answer?.status === 401) {
     toasts.show(t("This link no longer holds: open the one that the program printed."));
   } else if (answer?.ok) {
-    /** @type {AccessMessage} */
-    const { role } = await answer.json();
-    drive.setRole(role);
+    drive.setAccess(/** @type {AccessMessage} */ (await answer.json()));
   }
 }
 

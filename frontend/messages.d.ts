@@ -49,6 +49,8 @@ export type Command =
 /** What the token of a request allows. */
 export interface AccessMessage {
   role: "drive" | "watch";
+  /** Why it only watches, in words, if that is not what its token says. */
+  why?: string;
 }
 
 /** The command was accepted. */

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from pkgutil import resolve_name
 
 import cv2
@@ -61,7 +62,6 @@ class CameraSettings:
     clutter: str = setting(
         "none", "Things on the floor that are no tape and in no map", choices=KINDS
     )
-
     texture: str = setting("none", "What the bare floor is made of", choices=TEXTURES)
     tone: str = setting("light", "Whether that is a light or a dark one", choices=TONES)
     glare: float = setting(
@@ -115,8 +115,7 @@ class FloorCamera:
         self._settings = settings
         self._rng = rng
         self.turn(view)
-        self._light = _vignette(view.lens.width, view.lens.height, settings.vignetting)
-        self._light *= settings.light
+        self._light = _light(view.lens.width, view.lens.height, settings.vignetting, settings.light)
         self._noise = _noise_table(view, settings.noise, rng)
         self._size = (view.lens.height, view.lens.width)
 
@@ -162,11 +161,12 @@ class FloorCamera:
         return np.asarray(picture, dtype=np.uint8)
 
 
-def _vignette(width: int, height: int, lost: float) -> NDArray[np.float32]:
+@lru_cache(maxsize=2)
+def _light(width: int, height: int, lost: float, light: float) -> NDArray[np.float32]:
     """Share of the light left (h, w); the loss grows with the squared distance from the middle."""
     x = np.linspace(-1, 1, width)
     y = np.linspace(-1, 1, height)[:, None]
-    return (1 - lost * (x * x + y * y) / 2).astype(np.float32)
+    return (1 - lost * (x * x + y * y) / 2).astype(np.float32) * np.float32(light)
 
 
 def _noise_table(view: FloorView, sd: float, rng: np.random.Generator) -> NDArray[np.int16]:

@@ -280,6 +280,7 @@ def _tiles(centres: NDArray[np.float32], spread: Array, distance: Array) -> Arra
     return tiles
 
 
+@lru_cache(maxsize=2)
 def _even_blocks(floor: FloorPicture) -> NDArray[np.uint8]:
     """Return how far all is of one tone around each block of the drawing, and that tone.
 

@@ -36,6 +36,8 @@ class AccessMessage(Message):
     """What the token of a request allows."""
 
     role: Literal["drive", "watch"]
+    why: str = ""
+    """Why it only watches, in words, if that is not what its token says."""
 
 
 class LanguageMessage(Message):

@@ -24,7 +24,7 @@ from app.page.listening import most_places
 from app.page.panels import PANELS, sections_of
 from app.page.people import know
 from app.page.room import places_to_watch
-from app.page.token_guard import TokenRequired, role_in
+from app.page.token_guard import WHY, TokenRequired, role_in
 from app.page.tokens import Tokens
 from app.settings.config import FRONTEND, Config
 
@@ -74,7 +74,8 @@ def _add_page(app: FastAPI) -> None:
     @app.get("/api/access")
     def access(request: Request) -> AccessMessage:
         """What this request's token allows; 401 without one."""
-        return AccessMessage.model_validate({"role": role_in(request.scope).value})
+        words = {"role": role_in(request.scope).value, "why": request.scope.get(WHY, "")}
+        return AccessMessage.model_validate(words)
 
     # Windows asks its registry, where any program may have said that scripts are plain text; a
     # browser would not run them.

@@ -31,7 +31,7 @@ from app.messages.commands import (
 from app.page.outlets import Outlets
 from app.page.people import driver_of
 from app.page.telemetry import TelemetryWriter
-from app.page.token_guard import may_run_code, role_in
+from app.page.token_guard import WHY, may_run_code, role_in
 from app.page.tokens import Role
 from robot.errors import BrickPoseError, CommandError
 
@@ -46,7 +46,6 @@ of it a page at the end of a slow network could not drive; with twice of it, wha
 network that was gone for a second could end a stop."""
 LATE = phrase("the command came too late to drive by it")
 WATCHES = phrase("This link only watches; ask for the link to drive.")
-"""Answer to commands of a viewer who only watches."""
 NO_CODE = phrase(
     "A model of your own is Python: where a token is asked for, the page chooses none, unless "
     "brickpose is started with --allow-code."
@@ -150,7 +149,7 @@ class _Viewer:
         """
         command = parse(text)
         if self._role is Role.WATCH and not row_of(command).harmless:
-            raise CommandError(WATCHES)
+            raise CommandError(self._socket.scope.get(WHY, WATCHES))
         if isinstance(command, SetParametersCommand) and not self._may_run_code:
             check_no_code(command)
         if row_of(command).drives and self._is_late(command.sent):

@@ -31,9 +31,8 @@ NO_TOKEN = (
     "This robot asks for a token. Open the link that the program printed, or send the header "
     "Authorization: Bearer TOKEN."
 )
-
-
-CODE = "brickpose.code"
+CODE, WHY = "brickpose.code", "brickpose.why"
+"""In a scope: whether it may run code; why it only watches, in words, if no token says so."""
 NO_PLACE = "All places for those who only watch are taken."
 
 
@@ -44,8 +43,7 @@ def may_run_code(scope: Scope) -> bool:
 
 def role_in(scope: Scope) -> Role:
     """Return what a request may do; without tokens, everything."""
-    role: Role = scope.get("brickpose.role", Role.DRIVE)
-    return role
+    return Role(scope.get("brickpose.role", Role.DRIVE))
 
 
 class TokenRequired:
@@ -111,11 +109,8 @@ class TokenRequired:
         if role is None:
             return self._refusal(request, tokens), Role.WATCH
         reads = request.scope.get("method", "GET") in READING
-        if (
-            role is Role.WATCH
-            and not reads
-            and not get_route_path(request.scope).startswith(LOOKING)
-        ):
+        looks = get_route_path(request.scope).startswith(LOOKING)
+        if role is Role.WATCH and not (reads or looks):
             return PlainTextResponse("This token only watches.", 403), role
         return None, role
 

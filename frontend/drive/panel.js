@@ -26,6 +26,7 @@ export class DrivePanel {
   #ownEight;
   #replayed = false;
   #watches = false;
+  #why = "";
 
   /**
    * @param {Connection} connection
@@ -62,9 +63,10 @@ export class DrivePanel {
     this.#allow();
   }
 
-  /** @param {AccessMessage["role"]} role what this page's link allows */
-  setRole(role) {
+  /** @param {AccessMessage} access what this page's link allows, and why not more */
+  setAccess({ role, why }) {
     this.#watches = role === "watch";
+    this.#why = why ? translated(why) : t("this link only watches");
     this.#allow();
   }
 
@@ -86,7 +88,7 @@ export class DrivePanel {
     const { other, possible } = this.drive;
     const held = stopped ? t("stopped; a new press drives on") : "";
     const words = other ? t("{name} drives", { name: translated(other) }) : held;
-    setText(this.#who, this.#watches ? t("this link only watches") : words);
+    setText(this.#who, this.#watches ? this.#why : words);
     this.#take.hidden = other === null || !possible;
     this.#hint.hidden = this.#who.textContent !== "";
   }

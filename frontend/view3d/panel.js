@@ -88,6 +88,8 @@ export class View3d {
     this.#frame = document.createElement("iframe");
     this.#frame.title = t("The scene in 3D");
     this.#frame.src = address(this.#field, this.#theme === "dark");
+    // A frame is white until its scene is there, also on a dark page.
+    this.#frame.style.opacity = "0";
     this.#frame.onload = () => this.#loaded();
     this.#box.prepend(this.#frame);
   }
@@ -106,6 +108,7 @@ export class View3d {
     const inside = this.#frame?.contentDocument;
     const canvases = [...(inside?.querySelectorAll("canvas") ?? [])];
     this.#message.hidden = canvases.some(({ width }) => width > 0);
+    if (this.#frame) this.#frame.style.opacity = this.#message.hidden ? "" : "0";
     if (!this.#message.hidden) setTimeout(() => this.#awaitPicture(), LOOK_AGAIN_MS);
   }
 

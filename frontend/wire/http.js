@@ -1,5 +1,5 @@
 // @ts-check
-import { t } from "../page/language.js";
+import { t, translated } from "../page/language.js";
 
 /** The server answered with an error status. */
 export class HttpError extends Error {}
@@ -48,7 +48,7 @@ async function reason(answer) {
   } catch {
     // Not JSON: a line of plain text, as the server's guards write, or the status, says enough.
     if (text === "This token only watches.") return t("This token only watches.");
-    if (answer.headers.get("content-type")?.startsWith("text/plain") && text.length < 200) return text;
+    if (answer.headers.get("content-type")?.startsWith("text/plain") && text.length < 200) return translated(text);
   }
   return t("the server answered {status}", { status: answer.status });
 }

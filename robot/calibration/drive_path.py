@@ -166,8 +166,8 @@ class DrivePath:
         seconds = self._drive.stamps[first]
         if self._slips[first]:
             raise CalibrationError(
-                f"after {seconds:.0f} s the robot moved otherwise than its wheels turned: it was "
-                "moved by hand; valid is a shorter drive"
+                f"at {seconds:.0f} s pictures and wheels disagree on how the robot moved: it was "
+                "moved by hand, or a wheel slipped; valid is a drive that ends before, or a new one"
             )
         if self._drive.edge_counts[max(0, first - UNSEEN) : first].sum() < UNSEEN:
             raise CalibrationError(

@@ -28,10 +28,10 @@ def push_remark(seconds: float, *, is_noise: bool) -> str:
     """Return the remark on a push after a time [s]; of none, if what is left over is no noise."""
     if not is_noise:
         return (
-            f"after {seconds:.0f} s the robot moved otherwise than its wheels tell: it is not as "
-            "described, so calibrate it first, or it was pushed; the map may be bent"
+            f"at {seconds:.0f} s pictures and wheels disagree on how the robot moved: it is not as "
+            "described, or it was pushed; calibrate it, and draw the map anew: this may be bent"
         )
     return (
-        f"after {seconds:.0f} s the robot moved otherwise than its wheels tell: it was pushed, or "
-        "it slipped; the map may be bent"
+        f"at {seconds:.0f} s pictures and wheels disagree on how the robot moved: it was pushed, "
+        "or a wheel slipped; look at the map, which may be bent there, and draw it anew if it is"
     )

@@ -39,8 +39,10 @@ PACKAGES = {
     "jupyterhub-idle-culler": "jupyterhub_idle_culler",
     "configurable-http-proxy": "configurable_http_proxy",
 }
+NOTEBOOK_PACKAGES = {"jupyterlab": "jupyterlab", "jupyter-server-proxy": "jupyter_server_proxy"}
 HUB_MODULE = "app.features.classroom.hub.start"
 CURE = "python -m pip install 'brickpose[class]'"
+NOTEBOOK_CURE = f"python -m pip install {' '.join(NOTEBOOK_PACKAGES)}"
 WORSE_AFTER_S = 10.0
 MOST_FAILURES = 3
 END_S, HUB_END_S = 4.0, 5.0
@@ -92,6 +94,10 @@ def serve_class(parsed: argparse.Namespace) -> int:
     say(f"{len(students)} students; the page with their links, to print: {folder.links}")
     if parsed.write_only:
         return 0
+    compile_first()  # else each student would wait for that
+    if not parsed.notebook:
+        with suppress(WarmParentError):  # then each server starts by itself
+            start_parent(folder.warm_socket)
     return _keep_running(folder, address, students, keys[TEACHER], parsed.port)
 
 
@@ -122,10 +128,10 @@ def _check_options(parsed: argparse.Namespace) -> None:
 
 def _check_packages(*, notebook: bool) -> None:
     """Raise a ClassError if something is not installed, or of another version than was tried."""
-    wanted = PACKAGES | ({"jupyterlab": "jupyterlab"} if notebook else {})
-    for package, module in wanted.items():
-        if importlib.util.find_spec(module) is None:
-            raise ClassError(f"the package {package} is missing: {CURE}")
+    for packages, cure in (PACKAGES, CURE), (NOTEBOOK_PACKAGES if notebook else {}, NOTEBOOK_CURE):
+        for package, module in packages.items():
+            if importlib.util.find_spec(module) is None:
+                raise ClassError(f"the package {package} is missing: {cure}")
     version = importlib.metadata.version("jupyterhub")
     installed = int(re.match(r"\d*", version)[0] or 0)  # type: ignore[index] # matches anything
     if not HUB[0] <= installed < HUB[1]:
@@ -202,9 +208,6 @@ def _keep_running(
         if process is not None:
             process.terminate()
 
-    compile_first()  # else each student would wait for that
-    with suppress(WarmParentError):  # then each server starts by itself
-        start_parent(folder.warm_socket)
     process: subprocess.Popen[bytes] | None = None
     for each in (signal.SIGINT, signal.SIGTERM):
         signal.signal(each, end)

@@ -18,13 +18,15 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 from app.features.classroom.sign_in import VISITOR
 from app.features.classroom.sleep import Sleeper
 from app.features.classroom.told_sockets import ToldSockets
-from app.page.token_guard import CODE
+from app.languages.marking import phrase
+from app.page.token_guard import CODE, WHY
 from app.page.tokens import Role
 
 ADDRESS = "classroom"
 LONGEST_MESSAGE = 500
 LONGEST_BODY = 10_000
 ROLE = "brickpose.role"
+FROZEN = phrase("The teacher has frozen all robots.")
 
 P = TypeVar("P", bound=BaseModel)
 
@@ -114,10 +116,12 @@ class ClassDesk:
     async def _pass(self, scope: Scope, receive: Receive, send: Send, *, owns: bool) -> None:
         frozen = owns and self._state.frozen
         scope = {**scope, CODE: owns and not frozen, ROLE: Role.WATCH if frozen else Role.DRIVE}
+        if frozen:
+            scope[WHY] = FROZEN
         if scope["type"] == "websocket" and owns:
             await self._state.sockets.serve(self._owner, self._app, scope, receive, send)
         elif frozen and scope["method"] not in ("GET", "HEAD"):
-            await PlainTextResponse("The teacher has frozen the class.", 403)(scope, receive, send)
+            await PlainTextResponse(FROZEN, 403)(scope, receive, send)
         else:
             await self._app(scope, receive, send)
 

@@ -24,6 +24,7 @@ from app.features.classroom.sleep import Sleeper
 from app.features.classroom.told_sockets import ToldSockets
 from app.features.classroom.warm.request import ENDED
 from app.features.course.learn_command import learn
+from app.languages.marking import phrase
 from app.operating_system import give_way
 from app.page.run_command import run_dashboard
 from app.settings.config import FRONTEND, Config
@@ -34,7 +35,7 @@ process that drives, which is not allowed to come first. So pictures get fewer w
 work than the computer can do, and the robots drive as before. Half or twice of it changes what
 control gets while both wait, by the kernel's table: 1.5 or 22 times as much, of 3.8 as it is."""
 PANELS = FRONTEND / "features" / "classroom"
-SHARED_PANEL = Panel("queue", "Queue", PANELS / "queue_panel.js")
+SHARED_PANEL = Panel("queue", phrase("Queue"), PANELS / "queue_panel.js")
 
 
 def serve_user(
@@ -102,7 +103,7 @@ def _as_the_hub_says(parsed: argparse.Namespace) -> HubEnvironment:
 
 
 def _student_panels() -> tuple[Panel, ...]:
-    desk = Panel("desk", "Class", PANELS / "panel.js")
+    desk = Panel("desk", phrase("Class"), PANELS / "panel.js")
     return (desk, SHARED_PANEL) if os.environ.get(SHARED_ROBOT) else (desk,)
 
 

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from app.feature import Feature, Late, Panel
+from app.languages.marking import phrase
 
 PAGE = Path(__file__).parent / "page"
 FEATURE = Feature(
@@ -14,5 +15,5 @@ FEATURE = Feature(
     values=(Late("app.features.picture_odometry.values:VALUES"),),
     routers=(Late("app.features.picture_odometry.routes:floor_router"),),
     topics=(Late("app.features.picture_odometry.topics:TOPICS"),),
-    panels=(Panel("floor", "Floor", PAGE / "floor_panel.js"),),
+    panels=(Panel("floor", phrase("Floor"), PAGE / "floor_panel.js"),),
 )

@@ -8,6 +8,8 @@ from typing import Any
 
 from app.settings.config import FRONTEND
 
+NAME = "brickpose"
+"""Of the entry: the dashboard is at this path, below Jupyter's."""
 START_S = 180
 """Time for a start [s]; a first one compiles, a minute on a usual computer."""
 
@@ -19,7 +21,7 @@ def server() -> dict[str, Any]:
     return {
         "command": [
             sys.executable, "-m", "app", "run", "--port", "{port}",
-            "--root-path", "{base_url}brickpose/", "--allow-code",
+            "--root-path", f"{{base_url}}{NAME}/", "--allow-code",
         ],
         "environment": {"BRICKPOSE_TOKEN": token},
         "request_headers_override": {"Authorization": f"Bearer {token}"},

@@ -18,6 +18,7 @@ MOST_ACTIVITY_S = 15
 known before the culler looks, which is once a minute."""
 SHARED = "robot"
 SHARED_SCOPE = f"access:services!service={SHARED}"
+NOTEBOOK_COMMAND = [sys.executable, "-m", "jupyterhub.singleuser"]
 STUDENT_COMMAND = [sys.executable, "-m", "app", "single-user"]
 
 
@@ -72,7 +73,7 @@ def configure(
     c.ConfigurableHTTPProxy.command = proxy_command()
     c.JupyterHub.spawner_class = f"{__package__}.spawner.StudentSpawner"
     c.StudentSpawner.class_folder = folder
-    c.Spawner.cmd = ["jupyterhub-singleuser"] if notebook else STUDENT_COMMAND
+    c.Spawner.cmd = NOTEBOOK_COMMAND if notebook else STUDENT_COMMAND
     c.StudentSpawner.warm = not notebook
     c.StudentSpawner.disk_mb = disk_mb
     c.Spawner.mem_limit = memory_mb * 1024 * 1024

@@ -17,12 +17,14 @@ from app.features.classroom.roster import TEACHER
 from app.features.classroom.shared.turns import TurnQueue
 from app.features.classroom.sign_in import VISITOR
 from app.features.classroom.told_sockets import ToldSockets
-from app.page.token_guard import CODE
+from app.languages.marking import phrase
+from app.page.token_guard import CODE, WHY
 from app.page.tokens import Role
 
 ADDRESS = "queue"
 LOOK_S = 0.5
 """A turn ends so much late at most [s]."""
+NOT_NOW = phrase("It is not your turn: queue up first.")
 TEACHERS = ("skip", "hand", "end", "open")
 
 
@@ -62,11 +64,12 @@ class QueueDesk:
         drives = visitor.name == self._turns.driver or _teaches(visitor)
         role = Role.DRIVE if drives else Role.WATCH
         scope = {**scope, CODE: False, ROLE: role}
+        if not drives:
+            scope[WHY] = NOT_NOW
         if scope["type"] == "websocket":
             await self._sockets.serve(visitor.name, self._app, scope, receive, send)
         elif role is Role.WATCH and scope["method"] not in ("GET", "HEAD"):
-            refused = PlainTextResponse("It is not your turn: queue up first.", 403)
-            await refused(scope, receive, send)
+            await PlainTextResponse(NOT_NOW, 403)(scope, receive, send)
         else:
             await self._app(scope, receive, send)
 

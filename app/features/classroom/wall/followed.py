@@ -16,6 +16,7 @@ import anyio.to_thread
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import WebSocketException
 
+from app.features.classroom.class_desk import ADDRESS as DESK
 from app.languages.marking import phrase
 
 RATE_HZ = 2
@@ -57,6 +58,8 @@ class FollowedServer:
     progress: dict[str, Any] = field(default_factory=dict)
     """Numbers of the lesson at hand, and of those that were begun and have passed."""
     field_name: str = ""
+    foreign: bool = False
+    """Whether it is another program, as JupyterLab: there is no robot to follow, nor to order."""
     area: dict[str, Any] = field(default_factory=dict)
     """``/api/field`` of the newest field."""
     _socket: ClientConnection | None = None
@@ -75,6 +78,8 @@ class FollowedServer:
     async def follow(self) -> None:
         """Keep the newest telemetry, until cancelled; a server that went away is asked again."""
         place = f"{self.address.replace('http', 'ws', 1)}api/live?rate={RATE_HZ}"
+        if await self._is_foreign():
+            return
         while True:
             try:
                 async with connect(
@@ -95,14 +100,33 @@ class FollowedServer:
                     ask.hear("")  # another field is loaded by another program
             await anyio.sleep(AGAIN_S)
 
+    async def _is_foreign(self) -> bool:
+        """Ask for the desk, which no other program has; once, as each request is a use."""
+
+        def status() -> int:
+            try:
+                asked = Request(f"{self.address}{DESK}", None, self.headers)
+                OPENER.open(asked, timeout=ANSWER_S).close()
+            except HTTPError as error:
+                with error:
+                    return error.code
+            except (OSError, HTTPException):
+                return 0
+            return 200
+
+        self.foreign = await anyio.to_thread.run_sync(status) == 404
+        return self.foreign
+
     async def look(self) -> None:
         """Read what the desk has, and the field if it is another one; seldom while it sleeps."""
+        if self.foreign:
+            return
         stamp = time.monotonic()
         still = self.desk.get("asleep") and self.telemetry is self._slept
         if still and stamp - self._asked < SELDOM_S:
             return
         self._slept, self._asked = self.telemetry, stamp
-        self.desk = await self.ask("classroom") or {}
+        self.desk = await self.ask(DESK) or {}
         self.progress = await self.ask("api/progress") or {}
         name = str(self.telemetry.get("map", ""))
         if name and name != self.field_name:
@@ -128,7 +152,7 @@ class FollowedServer:
 
     async def order(self, **order: Any) -> bool:
         """Give an order to the student's desk; return whether it was taken."""
-        answer = await self.ask("classroom", order)
+        answer = await self.ask(DESK, order)
         self.desk = answer or self.desk
         return answer is not None
 

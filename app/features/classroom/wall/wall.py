@@ -17,6 +17,7 @@ from app.features.classroom.class_folder import ClassFolder
 from app.features.classroom.hub_client import SHARED_ROBOT, HubClient, HubError
 from app.features.classroom.roster import TEACHER
 from app.features.classroom.wall.followed import FollowedServer
+from app.features.reverse_proxy.jupyter import NAME as IN_JUPYTER
 
 LOOK_S = 1.0
 
@@ -97,11 +98,14 @@ class Wall:
         base = {"login": login, "name": name, "pending": login in self._pending}
         if server is None:
             return base | {"awake": False}
+        url = server.address.removeprefix(self._address)
+        if server.foreign:
+            return base | {"awake": True, "notebook": True, "url": f"{url}{IN_JUPYTER}/"}
         telemetry, desk = server.telemetry, server.desk
         shown = ("map", "truth", "estimate", "integrity", "mode", "driver", "twist")
         return base | {
             "awake": True,
-            "url": server.address.removeprefix(self._address),
+            "url": url,
             **{key: telemetry.get(key) for key in shown},
             "extent": server.area.get("extent"),
             "frozen": desk.get("frozen", False),
@@ -123,7 +127,7 @@ class Wall:
         logins: Sequence[str] | None,
         ask: Callable[[FollowedServer], Awaitable[Any]],
     ) -> dict[str, Any]:
-        """Ask servers at once, all or those named; return each one's answer."""
+        """Ask students' dashboards at once, all or those named; return each one's answer."""
         answers: dict[str, Any] = {}
 
         async def ask_one(login: str, server: FollowedServer) -> None:
@@ -131,7 +135,7 @@ class Wall:
 
         async with anyio.create_task_group() as tasks:
             for login, server in tuple(self._servers.items()):
-                if logins is None or login in logins:
+                if not server.foreign and (logins is None or login in logins):
                     tasks.start_soon(ask_one, login, server)
         return answers
 

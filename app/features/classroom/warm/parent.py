@@ -23,6 +23,7 @@ from pathlib import Path
 from typing import Any
 
 from app.features.classroom.warm.confinement import MOST_FILE, confine
+from app.features.classroom.warm.holes import fill_holes
 from app.features.classroom.warm.request import ENDED, LONGEST, CopyRequest
 from app.features.classroom.warm.serving import serve_once
 from app.features.classroom.warm.watch import LOOK_S, ClassWatch
@@ -212,4 +213,5 @@ def get_warm() -> None:
 if __name__ == "__main__":
     ctypes.CDLL(None).prctl(THP_DISABLE, 1, 0, 0, 0)  # copies inherit it
     get_warm()
+    held = fill_holes()  # for as long as copies are made
     WarmParent(Path(sys.argv[1])).serve()

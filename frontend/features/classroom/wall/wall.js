@@ -19,7 +19,7 @@ const STATES = {
  *   map?: string, truth?: Pose | null, estimate?: Pose | null, mode?: string,
  *   integrity?: {state: string, radius: number | null} | null, extent?: number[] | null,
  *   frozen?: boolean, message?: string, handed?: number, hand?: boolean, asleep?: boolean,
- *   lesson?: number | null, passed?: number, begun?: number}} Tile
+ *   notebook?: boolean, lesson?: number | null, passed?: number, begun?: number}} Tile
  * @typedef {{driver: string | null, waiting: string[], ended: boolean, seconds_left: number,
  *   url: string}} Queue
  */
@@ -28,6 +28,8 @@ const STATES = {
 const byId = (id) => document.getElementById(id);
 /** @type {Map<string, {article: HTMLElement, floor: HTMLImageElement, map: string}>} */
 const tiles = new Map();
+/** What has nobody to hear it where all students work in JupyterLab. */
+const ORDERS = ["freeze", "say", "place", "lesson", "field", "handing", "recordings"];
 let frozen = false;
 const place = {
   x: new DecimalField("place-x"), y: new DecimalField("place-y"), theta: new DecimalField("place-theta"),
@@ -62,8 +64,9 @@ async function tellOfEach(answer, words) {
 }
 
 /** @param {Tile} tile */
-function words({ awake, pending, integrity, frozen: held, mode, asleep, lesson, passed, begun }) {
+function words({ awake, pending, notebook, integrity, frozen: held, mode, asleep, lesson, passed, begun }) {
   if (!awake) return pending ? t("starting") : t("not here");
+  if (notebook) return t("in JupyterLab, whose robot takes no orders from here");
   if (!integrity) return t("waiting");
   const state = STATES[integrity.state] ?? integrity.state;
   const bound = integrity.radius === null ? "" : ` ± ${Math.round(integrity.radius * 1000)} mm`;
@@ -97,6 +100,7 @@ function show(tile) {
   const { article } = entry;
   article.dataset.awake = String(tile.awake);
   article.dataset.hand = String(Boolean(tile.hand));
+  article.dataset.notebook = String(Boolean(tile.notebook));
   article.dataset.frozen = String(Boolean(tile.frozen));
   /** @type {HTMLElement} */ (article.querySelector(".hand")).textContent = tile.hand ? t("hand up") : "";
   /** @type {HTMLElement} */ (article.querySelector("p")).textContent = words(tile);
@@ -148,7 +152,9 @@ async function look() {
     tiles.delete(login);
   }
   const awake = all.filter((tile) => tile.awake);
-  frozen = awake.length > 0 && awake.every((tile) => tile.frozen);
+  const led = awake.filter((tile) => !tile.notebook);
+  for (const id of ORDERS) byId(id).hidden = led.length === 0 && awake.length > 0;
+  frozen = led.length > 0 && led.every((tile) => tile.frozen);
   byId("freeze").setAttribute("aria-pressed", String(frozen));
   byId("freeze").textContent = frozen ? t("Let all go on") : t("Freeze all");
   showStanding(awake);

@@ -6,6 +6,7 @@ import importlib.metadata
 import importlib.util
 import os
 import socket
+import sys
 
 import pytest
 from classes import four_ports, needs_hub
@@ -94,6 +95,32 @@ def test_a_missing_package_is_named_with_its_cure(missing, students, monkeypatch
     code, err = refused(capsys, students)
     assert code == 1
     assert f"the package {missing.replace('_', '-')} is missing: python -m pip install" in err
+
+
+@pytest.mark.parametrize("missing", ["jupyterlab", "jupyter_server_proxy"])
+def test_what_notebooks_need_is_named_with_its_cure(missing, students, monkeypatch, capsys):
+    monkeypatch.setattr(os, "geteuid", lambda: 1000)
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None if name == missing else name)
+    code, err = refused(capsys, students, "--notebook")
+    assert code == 1
+    package = missing.replace("_", "-")
+    cure = "python -m pip install jupyterlab jupyter-server-proxy"
+    assert f"the package {package} is missing: {cure}" in err
+
+
+@pytest.mark.parametrize("notebook", [False, True])
+def test_students_servers_are_started_by_the_same_python(notebook, tmp_path):
+    """The environment's programs need not be on the path."""
+    config = pytest.importorskip("traitlets.config").Config()
+    pytest.importorskip("jupyterhub")
+    from app.features.classroom.hub.configuration import configure
+
+    configure(
+        config, str(tmp_path), host="127.0.0.1", port=9100, memory_mb=700, disk_mb=50, idle_s=60,
+        notebook=notebook,
+    )  # fmt: skip
+    module = "jupyterhub.singleuser" if notebook else "app"
+    assert config.Spawner.cmd[:3] == [sys.executable, "-m", module]
 
 
 @pytest.mark.parametrize("version", ["4.1.6", "7.0.0", "none"])

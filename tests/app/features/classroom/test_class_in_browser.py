@@ -55,14 +55,14 @@ def test_the_teacher_freezes_both_and_lets_them_go_on(wall, ada, juergen):
     wall.locator("#freeze").click()
     for page in (ada, juergen):
         expect(page.locator("#class-banner")).to_be_visible()
-        expect(page.locator("body")).to_contain_text("this link only watches")
+        expect(page.locator("#drive-who")).to_have_text("The teacher has frozen all robots.")
     ada.wait_for_function(f"!({DRIVES})")
     ada.keyboard.up("w")
     expect(wall.locator("article[data-frozen=true]")).to_have_count(2)
     wall.locator("#freeze").click()
     for page in (ada, juergen):
         expect(page.locator("#class-banner")).to_have_count(0)
-        expect(page.locator("body")).not_to_contain_text("this link only watches")
+        expect(page.locator("#drive-who")).not_to_contain_text("frozen")
     ada.keyboard.down("w")
     ada.wait_for_function(DRIVES)
     ada.keyboard.up("w")

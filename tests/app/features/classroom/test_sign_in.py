@@ -16,7 +16,7 @@ from app.features.classroom.class_desk import ClassDesk, ClassState
 from app.features.classroom.hub_client import HubEnvironment, HubError, Visitor
 from app.features.classroom.sign_in import CHECK_S, SESSION, STATE, VISITOR, Sessions, SignIn
 from app.features.classroom.sleep import Sleeper
-from app.page.token_guard import may_run_code, role_in
+from app.page.token_guard import WHY, may_run_code, role_in
 from robot.settings import SettingError
 
 PREFIX = "/user/ada/"
@@ -110,7 +110,7 @@ def state():
 def app(hub, clock, state):
     async def server(scope, receive, send):
         told = {
-            "who": scope[VISITOR].name, "role": role_in(scope).value,
+            "who": scope[VISITOR].name, "role": role_in(scope).value, "why": scope.get(WHY),
             "code": may_run_code(scope), "host": Request(scope).headers["host"],
             "origin": Request(scope).headers.get("origin"),
         }  # fmt: skip
@@ -141,6 +141,7 @@ def test_a_browser_signs_in_and_comes_back_to_the_page_that_it_asked_for(browser
     assert told == {
         "who": "ada",
         "role": "drive",
+        "why": None,
         "code": True,
         "host": "localhost",
         "origin": None,
@@ -226,6 +227,7 @@ def test_a_frozen_student_only_watches_and_the_teacher_still_drives(browser, sta
     }  # fmt: skip
     told = browser.ask(PREFIX, headers=ADA).json()
     assert (told["role"], told["code"]) == ("watch", False)
+    assert told["why"] == "The teacher has frozen all robots."
     assert browser.ask(f"{PREFIX}api/student_file", "PUT", headers=ADA).status_code == 403
     assert browser.ask(PREFIX, headers=WALL).json()["role"] == "drive"
     browser.ask(f"{PREFIX}classroom", "POST", headers=WALL, json={"frozen": False})

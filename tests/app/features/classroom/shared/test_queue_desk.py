@@ -13,7 +13,7 @@ from app.features.classroom.hub_client import Visitor
 from app.features.classroom.shared.queue_desk import QueueDesk
 from app.features.classroom.shared.turns import TurnQueue
 from app.features.classroom.sign_in import VISITOR
-from app.page.token_guard import may_run_code, role_in
+from app.page.token_guard import WHY, may_run_code, role_in
 
 PREFIX = "/services/robot/"
 
@@ -24,7 +24,7 @@ def ask():
 
     async def inner(scope, receive, send):
         request = Request(scope)
-        told = {"role": role_in(scope).name, "code": may_run_code(scope)}
+        told = {"role": role_in(scope).name, "code": may_run_code(scope), "why": scope.get(WHY)}
         await JSONResponse(told | {"method": request.method})(scope, receive, send)
 
     desk = QueueDesk(inner, PREFIX, TurnQueue(60.0))
@@ -54,6 +54,8 @@ def test_only_whose_turn_it_is_drives(ask):
     assert wish(ask, "bo", "join").json()["waiting"] == ["bo"]
     assert ask("ada").json()["role"] == "DRIVE"
     assert ask("bo").json()["role"] == "WATCH"
+    assert ask("bo").json()["why"] == "It is not your turn: queue up first."
+    assert ask("ada").json()["why"] is None
     assert ask("teacher").json()["role"] == "DRIVE"
     assert ask("ada", "POST").json()["method"] == "POST"
     assert ask("bo", "POST").status_code == 403

@@ -5,6 +5,8 @@ from __future__ import annotations
 import asyncio
 import socket
 import threading
+from http.server import BaseHTTPRequestHandler, HTTPServer
+from typing import ClassVar
 
 from app.features.classroom.wall.followed import FollowedServer
 
@@ -48,3 +50,34 @@ def test_an_answer_that_is_cut_off_is_none():
         server = FollowedServer(f"http://127.0.0.1:{listening.getsockname()[1]}/", "token")
         assert asyncio.run(server.ask("classroom")) is None
         serving.join()
+
+
+class _Elsewhere(BaseHTTPRequestHandler):
+    """Another program, as JupyterLab, which has no desk."""
+
+    asked: ClassVar[list[str]] = []
+
+    def do_GET(self) -> None:
+        self.asked.append(self.path)
+        self.send_error(404)
+
+    def log_message(self, *_: object) -> None:
+        """Say nothing."""
+
+
+def test_another_program_is_asked_once_and_gets_no_orders():
+    """Each request would count as a use of a server that nobody uses."""
+    _Elsewhere.asked.clear()
+    with HTTPServer(("127.0.0.1", 0), _Elsewhere) as listening:
+        serving = threading.Thread(target=listening.serve_forever)
+        serving.start()
+        server = FollowedServer(f"http://127.0.0.1:{listening.server_port}/user/ada/", "token")
+        try:
+            asyncio.run(asyncio.wait_for(server.follow(), 60))
+            for _ in range(3):
+                asyncio.run(server.look())
+        finally:
+            listening.shutdown()
+            serving.join()
+    assert server.foreign
+    assert _Elsewhere.asked == ["/user/ada/classroom"]

@@ -56,3 +56,22 @@ def test_what_is_no_number_or_too_far_is_not_sent(page, typed):
     page.locator("#place button").click()
     expect(page.locator("#place-x:invalid")).to_have_count(1)
     assert f"{PLACE}api/place" not in asked
+
+
+def test_who_works_in_jupyterlab_is_said_to_and_gets_no_orders(page):
+    tile = {"login": "ada", "name": "Ada", "pending": False, "awake": True, "notebook": True,
+            "url": "/user/ada/brickpose/"}  # fmt: skip
+    led = {"login": "bo", "name": "Bo", "pending": False, "awake": True, "frozen": True}
+    tiles = [tile]
+    page.route("**/api/tiles", lambda route: route.fulfill(json=tiles))
+    first = page.locator("article[data-login=ada]")
+    expect(first).to_contain_text("in JupyterLab, whose robot takes no orders from here")
+    expect(first.locator("a")).to_have_attribute("href", "/user/ada/brickpose/")
+    expect(page.locator("#summary")).to_have_text("1 of 1 are here")
+    for order in ("#freeze", "#say", "#place", "#lesson", "#field", "#recording", "#recordings"):
+        expect(page.locator(order)).to_be_hidden()
+    for stays in ("#start", "#collect"):
+        expect(page.locator(stays)).to_be_visible()
+    tiles.append(led)
+    expect(page.locator("#say")).to_be_visible()
+    expect(page.locator("#freeze")).to_have_text("Let all go on")
