@@ -40,6 +40,7 @@ export type Command =
   | StartMapCommand
   | StopCommand
   | TakeCommand
+  | TakePlaceCommand
   | UndoCalibrationCommand
   | UndoCommand
   | UndoEditCommand
@@ -1599,6 +1600,25 @@ export interface TakeCommand {
    */
   sent?: number | null;
   type: "take";
+}
+
+/** Start the filter where a robot that has looked around must be; a journey says so itself. */
+export interface TakePlaceCommand {
+  /** Repeated in the answer. */
+  id?: number | string | null;
+  /**
+   * The robot's clock when it was sent [s], as answers tell it. A drive command that has come half
+   * a second late or more is refused, if it says so: somebody may have stopped the robot.
+   */
+  sent?: number | null;
+  type: "take_place";
+  x: number;
+  y: number;
+  theta: number;
+  /** By rows [m^2, m rad, rad^2], symmetric and positive semi-definite. */
+  covariance: number[];
+  /** When it was found out, on the robot's clock [s]; each is taken once. */
+  found_at: number;
 }
 
 /** Everything that one tick shows. */

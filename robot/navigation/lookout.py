@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from robot.geometry import Array, Pose2
+from robot.geometry import Array, Pose2, wrap_angle
 from robot.navigation.free_space import FreeSpace
 from robot.navigation.legs import WayLeg, straight, turn
 from robot.navigation.place_kernels import ranges_from, reaches, steps_clear
@@ -34,6 +34,11 @@ TOLD_M = 0.08
 one heap differ by counted as gain, and the robot turned to and fro by small angles in a corner."""
 SAME_M, SAME_RAD = 0.08, 0.25
 """Places that are nearer to each other need not be told apart."""
+ONLY = 0.95
+"""Share of the places that are at one: then it is the only one."""
+SURE_M, SURE_RAD = (0.01, 0.01), 0.03
+"""Standard deviations that are added to those of the places [m, rad]: they agree with what was seen
+to a few millimetres, and the robot may have been seen from a little elsewhere."""
 LEAST_GAIN = 0.02
 """A move is worth it that tells apart more than this share of pairs of places."""
 SIGHT_GAIN = 0.2
@@ -69,7 +74,16 @@ SEEN_SHORT_M = 0.02
 """A ray has seen floor up to so far before its end [m]."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
+class OnlyPlace:
+    """The only place where the robot may be, by what it has seen."""
+
+    pose: Pose2
+    covariance: Array = field(repr=False)
+    """(3, 3) [m, m, rad]"""
+
+
+@dataclass(frozen=True, eq=False)
 class Move:
     """What a robot does to learn where it is."""
 
@@ -80,6 +94,8 @@ class Move:
     rim: Array = field(default_factory=lambda: np.zeros((0, 2)), compare=False, repr=False)
     """(k, 2) the robot's outline [m], which shall not come to tape that it sees on the way; empty
     where it may cross tape."""
+    place: OnlyPlace | None = None
+    """Where it is, if there is no move and only one place is left."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -201,8 +217,23 @@ def look(
             rim = free.hollow.body[: 0 if crosses_tape else None]
             return Move(legs, f"a move tells {share} % of the places apart", rim)
     if clear:
-        return Move((), reason="no move would tell it more")
+        return Move((), reason="no move would tell it more", place=only_place(places))
     return Move((), reason="no move is clear of walls at each place where it may be")
+
+
+def only_place(places: Array) -> OnlyPlace | None:
+    """Return where nearly all places (n, 3) are; None if they are not all at one."""
+    some = places[:COMPARED]
+    alike = np.hypot(*(some[:, None, :2] - some[None, :, :2]).transpose(2, 0, 1)) < SAME_M
+    alike &= np.abs(wrap_angle(some[:, None, 2] - some[None, :, 2])) < SAME_RAD
+    middle = some[alike.sum(axis=1).argmax()]
+    away = places - middle
+    away[:, 2] = wrap_angle(away[:, 2])
+    near = away[(np.hypot(away[:, 0], away[:, 1]) < SAME_M) & (np.abs(away[:, 2]) < SAME_RAD)]
+    if len(near) < ONLY * len(places):
+        return None
+    covariance = np.cov(near.T) + np.diag(np.square([*SURE_M, SURE_RAD]))
+    return OnlyPlace(Pose2.from_array(middle + near.mean(axis=0)), covariance)
 
 
 def _compared(places: Array, believed: Sequence[Pose2]) -> Array:

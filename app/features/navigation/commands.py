@@ -15,11 +15,13 @@ from app.features.navigation.messages import (
     GoalMessage,
     NavigateCommand,
     SetWallsCommand,
+    TakePlaceCommand,
 )
 from app.features.navigation.walls import WALLS, polygons, walls_in
 from app.languages.marking import phrase
+from robot.covariance import CovarianceError, covariance_from
 from robot.errors import CommandError
-from robot.fields.field import Field
+from robot.fields.field import Field, FieldError
 from robot.geometry import Pose2
 from robot.navigation.walls import Walls
 
@@ -29,6 +31,8 @@ if TYPE_CHECKING:
 SMALLEST_M2 = 1e-6
 """A smaller keep-out zone is a slip of the hand [m^2]."""
 DRAWN = phrase("a map is drawn; finish or discard it to drive to a goal")
+TAKEN = "place taken"
+"""When the place was found that was taken last, in what controls keep."""
 KEEPER: Part[JourneyKeeper] = Part("navigation")
 
 
@@ -76,6 +80,26 @@ def _set_walls(tick: TickContext[SetWallsCommand]) -> None:
     said = Walls(command.tape or before.tape, zones, controls.stamp)
     if (said.tape, said.zones) != (before.tape, before.zones):
         controls.kept[WALLS] = said
+
+
+def _take_place(tick: TickContext[TakePlaceCommand]) -> None:
+    command, kept = tick.command, tick.controls.kept
+    # In a replay, the journey that goes along says it, too.
+    if kept.get(TAKEN) == command.found_at:
+        return
+    kept[TAKEN] = command.found_at
+    tick.localization.keep_belief()
+    pose = Pose2(command.x, command.y, command.theta)
+    tick.localization.set_pose(pose, covariance_from(command.covariance))
+
+
+def _check_place(command: TakePlaceCommand, field: Field) -> None:
+    """Refuse a place that is not on the floor, and numbers that are no covariance."""
+    try:
+        field.require_inside(Pose2(command.x, command.y, command.theta))
+        covariance_from(command.covariance)
+    except (FieldError, CovarianceError) as error:
+        raise CommandError(str(error)) from error
 
 
 def _check_walls(command: SetWallsCommand, field: Field) -> None:
@@ -134,6 +158,13 @@ COMMANDS = (
         check=_check,
         check_field=_check_field,
         drives=True,
+    ),
+    CommandRow(
+        TakePlaceCommand,
+        _take_place,
+        Repeat.RECORDED,
+        allowed=require_drivable,
+        check_field=_check_place,
     ),
     CommandRow(CancelCommand, _cancel, Repeat.RECORDED, allowed=require_drivable),
     CommandRow(

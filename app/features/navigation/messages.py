@@ -94,6 +94,19 @@ class SetWallsCommand(CommandMessage):
     """All keep-out zones: each by its corners; an empty list removes them, null leaves them."""
 
 
+class TakePlaceCommand(CommandMessage):
+    """Start the filter where a robot that has looked around must be; a journey says so itself."""
+
+    type: Literal["take_place"]
+    x: Metres
+    y: Metres
+    theta: Radians
+    covariance: Annotated[list[float], Field(min_length=9, max_length=9)]
+    """By rows [m^2, m rad, rad^2], symmetric and positive semi-definite."""
+    found_at: float
+    """When it was found out, on the robot's clock [s]; each is taken once."""
+
+
 class CancelCommand(CommandMessage):
     """End the journey to a goal: the robot stands where it is."""
 

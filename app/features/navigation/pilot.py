@@ -12,7 +12,11 @@ import numpy as np
 from app.engine.controls import Controls
 from app.features.navigation.choices import Choices
 from app.features.navigation.journey import Journey, curve_of
-from app.features.navigation.messages import CancelCommand, SetWallsCommand
+from app.features.navigation.messages import (
+    CancelCommand,
+    SetWallsCommand,
+    TakePlaceCommand,
+)
 from app.features.navigation.walls import NOTHING_SAID, walls_in
 from app.features.own_models.error_messages import running
 from app.languages.marking import phrase
@@ -25,7 +29,7 @@ from robot.geometry import Pose2, Twist2
 from robot.interface import Reading
 from robot.navigation.free_space import FreeSpace
 from robot.navigation.line_follower import LineFollower
-from robot.navigation.lookout import Move, look
+from robot.navigation.lookout import Move, OnlyPlace, look
 from robot.navigation.navigation_status import NavigationStatus
 from robot.navigation.navigator import Navigator, Plan
 from robot.navigation.planners import PLANNERS
@@ -80,6 +84,8 @@ class Pilot:
         """Whether recordings shall know the walls of a journey: it may be older than they."""
         self._canceled = False
         """Whether recordings shall know that a journey was ended by something else."""
+        self._found: OnlyPlace | None = None
+        """Where looking around has shown that the robot is, to be told to the filter."""
 
     @property
     def needs_pictures(self) -> bool:
@@ -87,9 +93,20 @@ class Pilot:
         return self._journey is not None
 
     def commands(self, controls: Controls) -> Iterable[Command]:
-        """Tell recordings of a journey that ended before its goal, and what its walls were."""
+        """Tell the filter what was found out, and recordings how a journey ended, and its walls."""
         canceled, self._canceled = self._canceled, False
         tells, self._tells = self._tells, False
+        place, self._found = self._found, None
+        if place is not None:
+            pose = place.pose
+            yield TakePlaceCommand(
+                type="take_place",
+                x=pose.x,
+                y=pose.y,
+                theta=pose.theta,
+                covariance=place.covariance.reshape(-1).tolist(),
+                found_at=self._stamp,
+            )
         if tells:
             zones = [list(zone) for zone in self._walls.zones]
             said = {"type": "set_walls", "tape": self._walls.tape, "zones": zones}
@@ -114,6 +131,8 @@ class Pilot:
         if getattr(controls.follower, "paused", False) and journey.line is None:
             navigator.cancel(phrase("the filter was paused"))
         self._plan(navigator, tick, controls)
+        if isinstance(navigator, Navigator) and navigator.looks:
+            self._found = navigator.take_found()
         if journey.helm.taken:
             journey.helm.set(navigator.step(tick))
         else:

@@ -19,6 +19,7 @@ from robot.navigation.lookout import (
     TURNS,
     ClearFloor,
     look,
+    only_place,
     seen_from,
     sweeps_of,
     told_apart,
@@ -205,3 +206,20 @@ def test_however_much_is_dared_it_does_not_back_to_where_any_place_has_a_wall(le
     assert not back.allows(0.1, level)
     assert back.allows(0.0, level)
     assert [each.backs for each in others].count(True) == 2 * sum(each < 0 for each in FIRST)
+
+
+@pytest.mark.parametrize("share", [0.96, 0.9])
+def test_where_nearly_all_places_are_one_that_is_the_place(share):
+    rng = np.random.default_rng(3)
+    truth = np.array([0.37, -0.36, math.pi])
+    places = truth + rng.normal(0, (0.01, 0.02, 0.05), (1000, 3))
+    places[:, 2] = (places[:, 2] + math.pi) % (2 * math.pi) - math.pi
+    places[round(1000 * share) :, :2] *= -1
+    found = only_place(rng.permutation(places))
+    if share < 0.95:
+        assert found is None
+        return
+    assert found.pose.to_array()[:2] == pytest.approx(truth[:2], abs=0.003)
+    assert abs(found.pose.turn_to(Pose2.from_array(truth))) < 0.01
+    sd = np.sqrt(np.diag(found.covariance))
+    assert sd == pytest.approx([0.014, 0.022, 0.058], rel=0.15)
