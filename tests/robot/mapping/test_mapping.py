@@ -286,7 +286,7 @@ def test_a_robot_that_is_pushed_says_so() -> None:
     angles[begin:] += log.wheel_angles[begin]
     drawn = Mapper(_changed(log, wheel_angles=angles), SPEC, WIDTH).run()
     assert not drawn.fits
-    assert any("after 8 s" in words and "pushed" in words for words in drawn.remarks)
+    assert any("at 8 s" in words and "pushed" in words for words in drawn.remarks)
 
 
 @pytest.mark.slow

@@ -41,11 +41,11 @@ def refusal(student: StudentClient) -> str:
 
 def test_one_drives_after_the_other_and_the_teacher_hands_over(people):
     ada, bo, teacher = people
-    assert "only watches" in refusal(ada)
+    assert "not your turn" in refusal(ada)
     assert ada.ask("queue", {"action": "join"})["driver"] == "ada"
     assert bo.ask("queue", {"action": "join"})["waiting"] == ["bo"]
     ada.move(20.0)
-    assert "only watches" in refusal(bo)
+    assert "not your turn" in refusal(bo)
     with pytest.raises(HTTPError, match="403"):
         bo.ask("queue", {"action": "skip"})
     with ada.socket("api/live?rate=5") as live:
@@ -55,6 +55,6 @@ def test_one_drives_after_the_other_and_the_teacher_hands_over(people):
             while True:
                 live.recv(timeout=5.0)
     bo.move(20.0)
-    assert "only watches" in refusal(ada)
+    assert "not your turn" in refusal(ada)
     assert teacher.ask("queue", {"action": "end"})["ended"]
-    assert "only watches" in refusal(bo)
+    assert "not your turn" in refusal(bo)
