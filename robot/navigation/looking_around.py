@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from robot.geometry import Pose2, Twist2
-from robot.navigation.lookout import SEEN_MARGIN_M, Move, OnlyPlace
+from robot.navigation.lookout import SEEN_MARGIN_M, Move
 from robot.navigation.place_kernels import steps_clear
 from robot.navigation.possible_places import Glimpse
 from robot.navigation.seen_tape import tape_seen
@@ -66,8 +66,6 @@ class LookingAround:
         self._watched: Glimpse | None = None
         """The view in which tape was last looked for."""
         self._knows_since: float | None = None
-        self.found: OnlyPlace | None = None
-        """The only place that its views leave, where it stands now; who takes it sets None."""
 
     def job(self, tick: Sensed) -> Callable[[], Move] | None:
         """Return the work of finding a move, if the robot stands and has seen what it can."""
@@ -87,7 +85,6 @@ class LookingAround:
         self._told = move.reason
         self._in_vain = 0 if move.legs else self._in_vain + 1
         self._look_at = stamp + LOOKS_AGAIN_S
-        self.found = move.place if self.active else None
         if move.legs and self.active:
             self._moves += 1
             self._clock, self._glance = 0.0, timed(move.legs, self._limits)

@@ -15,7 +15,7 @@ from robot.navigation.curves import ClosedCurve, Lap, lap_of
 from robot.navigation.free_space import FreeSpace
 from robot.navigation.goal import Goal
 from robot.navigation.looking_around import Look, LookingAround
-from robot.navigation.lookout import Move, OnlyPlace
+from robot.navigation.lookout import Move
 from robot.navigation.navigation_status import NavigationState, NavigationStatus
 from robot.navigation.next_way import Approach, Planning, way_onto, way_to
 from robot.navigation.planners import find_way
@@ -232,11 +232,6 @@ class Navigator:
     def looks(self) -> bool:
         """Whether it finds out where it is."""
         return self._lookout.active
-
-    def take_found(self) -> OnlyPlace | None:
-        """Return once the only place that its views leave, if it has found out by looking."""
-        place, self._lookout.found = self._lookout.found, None
-        return place
 
     def ask_again(self) -> None:
         """Have the way planned again whose result was lost."""

@@ -46,7 +46,7 @@ class LineScan:
     widths: Array = field(repr=False)
     """(k,) width of the stripe across its line [m]; nan where no line was tape."""
     noise: float
-    """Measured standard deviation of the picture's noise [grey levels]."""
+    """Measured standard deviation of the picture's noise, or the floor's grain [grey levels]."""
     kernel: int
     """Half width of the edge kernel, chosen for the noise [samples]."""
     picture: NDArray[np.uint8] = field(repr=False)

@@ -131,8 +131,6 @@ class Pilot:
         if getattr(controls.follower, "paused", False) and journey.line is None:
             navigator.cancel(phrase("the filter was paused"))
         self._plan(navigator, tick, controls)
-        if isinstance(navigator, Navigator) and navigator.looks:
-            self._found = navigator.take_found()
         if journey.helm.taken:
             journey.helm.set(navigator.step(tick))
         else:
@@ -221,7 +219,10 @@ class Pilot:
         if self._future is not None:
             if tick.stamp >= self._due and self._can_take(self._future, tick.stamp):
                 future, self._future = self._future, None
-                navigator.take(self._result(future))
+                plan = self._result(future)
+                navigator.take(plan)
+                if isinstance(plan, Move) and navigator.looks:
+                    self._found = plan.place
             return
         outline, walls = controls.spec.outline, self._walls
         job = navigator.job(lambda: self._space(outline, walls), tick)

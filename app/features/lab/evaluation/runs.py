@@ -71,10 +71,7 @@ def follow(drive: Drive, config: Config, pose2: Pose2, covariance: Array | None 
     """
 
     def begin(localization: Localization) -> None:
-        if covariance is None:
-            localization.set_pose(pose2)
-        else:
-            localization.set_pose(pose2, covariance)
+        localization.set_pose(pose2, covariance)
 
     map_from_odom = drive.ticks[0].truth @ drive.ticks[0].odometry.inverse()
     rows: list[tuple[float, Pose2, Pose2, Pose2, Array, float, bool]] = []
