@@ -27,7 +27,7 @@ from robot.scanning.line_scanner import LineScan, LineScanner
 IMMUTABLE = (
     DifferentialDrive, EntryField, HandStep, LineScanner, RayEvidence, RobotSpec, Scan, ScanMatcher,
 )  # fmt: skip
-"""Types of frozen objects with arrays that nobody writes to; these objects are referenced."""
+"""Types of frozen objects that are referenced. A feature's type says so itself: ``referenced``."""
 
 LEFT_OUT = (LineScan,)
 """Types that are not stored. A line scan holds a picture; the next picture gives a new scan."""
@@ -143,4 +143,4 @@ class _Unpickler(pickle.Unpickler):
 def _is_immutable(obj: object) -> bool:
     kind = type(obj)
     model = kind is not type and kind.__module__.startswith(MODELS)
-    return kind is Checkpoint or kind in IMMUTABLE or model
+    return kind is Checkpoint or kind in IMMUTABLE or model or hasattr(kind, "referenced")

@@ -101,6 +101,8 @@ class OwnPlanner:
     """Finds corners: ``def corners(space, start, goal)`` returns points (n, 2)."""
 
     PATIENCE_S = 1.0
+    referenced = True
+    """A replay that goes back has the file as it is now."""
 
     def __init__(self, name: str) -> None:
         """Take the function FILE.py:NAME.
@@ -151,6 +153,8 @@ class OwnController:
     """Drives: ``def command(tracking)`` returns v [m/s] and omega [rad/s]."""
 
     by_time = True
+    referenced = True
+    """A replay that goes back has the file as it is now."""
 
     def __init__(self, name: str) -> None:
         """Take the function FILE.py:NAME.

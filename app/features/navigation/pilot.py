@@ -58,6 +58,9 @@ LONGEST_TICK_S = 1.0
 class Pilot:
     """Navigates in one engine; ways are planned in a thread."""
 
+    referenced = True
+    """A journey that a replay stores goes on with the same pilot."""
+
     def __init__(self, config: Config, field: Field, stamp: float, *, waits: bool = True) -> None:
         """Prepare at a stamp [s]; nothing is worked out before the first goal.
 

@@ -84,6 +84,10 @@ def test_going_back_shows_the_journey_that_there_was(replayed):
     assert status.state == "driving"
     assert (status.goals[0].x, status.goals[0].y) == (0.25, 0.1)
     assert status.path is not None
+    # A journey can be stored: going back does not begin at the start.
+    assert timeline.checkpoints.before(2**62).log_ns > timeline.robot.start_ns + 1e9 * (
+        began - begin_of_all + 1.0
+    )
 
 
 def test_a_replay_takes_no_goals_of_its_own(replayed):
