@@ -1617,8 +1617,6 @@ export interface TakePlaceCommand {
   theta: number;
   /** By rows [m^2, m rad, rad^2], symmetric and positive semi-definite. */
   covariance: number[];
-  /** When it was found out, on the robot's clock [s]; each is taken once. */
-  found_at: number;
 }
 
 /** Everything that one tick shows. */

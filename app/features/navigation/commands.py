@@ -31,8 +31,9 @@ if TYPE_CHECKING:
 SMALLEST_M2 = 1e-6
 """A smaller keep-out zone is a slip of the hand [m^2]."""
 DRAWN = phrase("a map is drawn; finish or discard it to drive to a goal")
-TAKEN = "place taken"
-"""When the place was found that was taken last, in what controls keep."""
+TAKEN, ONCE_S = "place taken", 1.0
+"""When the last place was taken, in what controls keep; another one within this time [s] is the
+same."""
 KEEPER: Part[JourneyKeeper] = Part("navigation")
 
 
@@ -67,8 +68,9 @@ def _navigate(tick: TickContext[NavigateCommand]) -> None:
 def _cancel(tick: TickContext[CancelCommand]) -> None:
     driving = tick.controls.driving
     journey = driving.programme
-    before = tick.command.before
-    if isinstance(journey, Journey) and (before is None or journey.began < before):
+    before, stamp = tick.command.before, tick.controls.stamp
+    # The clock of a replay begins with the recording, and is behind that of the robot.
+    if isinstance(journey, Journey) and (before is None or journey.began < min(before, stamp)):
         journey.helm.canceled = True
         driving.stop()
 
@@ -83,11 +85,12 @@ def _set_walls(tick: TickContext[SetWallsCommand]) -> None:
 
 
 def _take_place(tick: TickContext[TakePlaceCommand]) -> None:
-    command, kept = tick.command, tick.controls.kept
-    # In a replay, the journey that goes along says it, too.
-    if kept.get(TAKEN) == command.found_at:
+    command, kept, stamp = tick.command, tick.controls.kept, tick.controls.stamp
+    taken = kept.get(TAKEN)
+    # In a replay, the journey that goes along finds the recorded place, too.
+    if isinstance(taken, float) and abs(stamp - taken) < ONCE_S:
         return
-    kept[TAKEN] = command.found_at
+    kept[TAKEN] = stamp
     tick.localization.keep_belief()
     pose = Pose2(command.x, command.y, command.theta)
     tick.localization.set_pose(pose, covariance_from(command.covariance))

@@ -103,8 +103,6 @@ class TakePlaceCommand(CommandMessage):
     theta: Radians
     covariance: Annotated[list[float], Field(min_length=9, max_length=9)]
     """By rows [m^2, m rad, rad^2], symmetric and positive semi-definite."""
-    found_at: float
-    """When it was found out, on the robot's clock [s]; each is taken once."""
 
 
 class CancelCommand(CommandMessage):

@@ -108,7 +108,6 @@ class Pilot:
                 y=pose.y,
                 theta=pose.theta,
                 covariance=place.covariance.reshape(-1).tolist(),
-                found_at=self._stamp,
             )
         if tells:
             zones = [list(zone) for zone in self._walls.zones]

@@ -17,9 +17,9 @@ from robot.localization.estimate import State
 SD = np.array([0.01, 0.01, 0.03])
 
 
-def place(x: float = 0.1, found_at: float = 1.0, **more) -> TakePlaceCommand:
+def place(x: float = 0.1, **more) -> TakePlaceCommand:
     said = {"y": 0.0, "theta": 0.0, "covariance": np.diag(SD**2).reshape(-1).tolist(), **more}
-    return TakePlaceCommand(type="take_place", x=x, found_at=found_at, **said)
+    return TakePlaceCommand(type="take_place", x=x, **said)
 
 
 @pytest.fixture
@@ -40,7 +40,8 @@ def test_it_is_as_given_and_taken_once(bench):
     bench.send(place(0.3))
     bench.go(0.2)
     assert len(earlier) == before + 1
-    bench.send(place(0.004, found_at=2.0))
+    bench.go(1.0)
+    bench.send(place(0.004))
     bench.go(0.2)
     assert len(earlier) == before + 2
 
