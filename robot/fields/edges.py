@@ -63,7 +63,7 @@ def followers(edges: Array) -> NDArray[np.intp]:
     return np.array([first.get(tuple(np.round(edge[2:], 6)), -1) for edge in edges], dtype=np.intp)
 
 
-def _joints(edges: Array) -> tuple[NDArray[np.intp], NDArray[np.intp], Array]:
+def smooth_joints(edges: Array) -> tuple[NDArray[np.intp], NDArray[np.intp], Array]:
     """Return the smooth joints of outlines: edges (m,), their followers (m,), turns (m,) [rad]."""
     after = followers(edges)
     before = np.flatnonzero(after >= 0)
@@ -76,7 +76,7 @@ def _joints(edges: Array) -> tuple[NDArray[np.intp], NDArray[np.intp], Array]:
 
 def sharp_ends(edges: Array) -> NDArray[np.bool_]:
     """Return (n, 2) whether the outline ends, or turns sharply, at each edge's start and end."""
-    before, after, _ = _joints(edges)
+    before, after, _ = smooth_joints(edges)
     sharp = np.ones((len(edges), 2), dtype=bool)
     sharp[before, 1] = sharp[after, 0] = False
     return sharp
@@ -88,7 +88,7 @@ def bends(edges: Array) -> Array:
     The edges of a curve are its chords: each takes half of the turn at its joints. At a sharp end
     the angle is zero.
     """
-    before, after, turns = _joints(edges)
+    before, after, turns = smooth_joints(edges)
     turned = np.zeros((len(edges), 2))
     turned[before, 1], turned[after, 0] = 0.5 * turns, -0.5 * turns
     return turned

@@ -71,3 +71,10 @@ def fail_with_two_words(_):
 def nothing_to_send(_):
     """A result that cannot be sent."""
     return lambda: None
+
+
+def active_features(job):
+    """The names of the features that take part where the job is done."""
+    from app.engine.plugging import plugged
+
+    return [feature.name for feature in plugged().features.active]

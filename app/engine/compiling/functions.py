@@ -44,7 +44,7 @@ def _read_only(kind: Any, dimensions: int) -> Any:
     return Array(kind, dimensions, "C", readonly=True)
 
 
-_EDGES = Named(
+EDGES = Named(
     (
         *(_read_only(float64, 2), _read_only(float64, 2)),
         *(_read_only(int64, 1), _read_only(int64, 1)),
@@ -52,9 +52,9 @@ _EDGES = Named(
     ),
     EdgeIndex,
 )
-_VISIBLE = Named((boolean[:, ::1], _I1, boolean[::1], float64, _EDGES), Visibility)
-_MATCHER = Named((_EDGES, float64, float64, float64, float64), ScanMatcher)
-_EVIDENCE = Named((_EDGES, _VISIBLE, float64, float64, float64, _UNSEEN, float64), RayEvidence)
+_VISIBLE = Named((boolean[:, ::1], _I1, boolean[::1], float64, EDGES), Visibility)
+_MATCHER = Named((EDGES, float64, float64, float64, float64), ScanMatcher)
+_EVIDENCE = Named((EDGES, _VISIBLE, float64, float64, float64, _UNSEEN, float64), RayEvidence)
 
 FUNCTIONS: tuple[Compiled, ...] = (
     Compiled("robot.localization.kernels.sampling.tempered", (_F1, _F1, float64, float64)),
@@ -74,7 +74,7 @@ FUNCTIONS: tuple[Compiled, ...] = (
             _I1,
             _I1,
             _I1,
-            _EDGES,
+            EDGES,
             Tuple((_F1, float64, float64, float64, float64, float64)),
         ),
     ),
@@ -176,7 +176,7 @@ FUNCTIONS: tuple[Compiled, ...] = (
     ),
     Compiled(
         "robot.localization.kernels.beam_sums.beam_log_likelihoods",
-        (_F2, _F1, _F2, _EDGES, float64, float64, float64, float64, float64),
+        (_F2, _F1, _F2, EDGES, float64, float64, float64, float64, float64),
     ),
     Compiled(
         "robot.localization.hypotheses.coarse_grid._refine_poses",
@@ -198,7 +198,7 @@ FUNCTIONS: tuple[Compiled, ...] = (
     Compiled("robot.localization.kernels.steps.turn_go_turn", (_F2, _F1, _F1, _F1, _F1)),
     Compiled(
         "robot.localization.monitoring.scan_residuals.residual_sums",
-        (_F1, _F2, _EDGES, float64, float64, float64, float64, float64, float64),
+        (_F1, _F2, EDGES, float64, float64, float64, float64, float64, float64),
     ),
     Compiled("robot.localization.kernels.sampling.count_cells", (_I1, _I1)),
     Compiled("robot.covariance.inverse", (_F2,)),

@@ -11,9 +11,12 @@ import socket
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
-from typing import Any, Protocol, TypeVar
+from dataclasses import dataclass
+from typing import Any, Generic, Protocol, TypeVar
 
 from app.engine.compiling.terminal import compile_first
+from app.engine.plugging import plug_in, plugged
+from app.feature_search import find_features
 from app.settings.provenance import versions
 from app.worker_process import WorkerEndedError, WorkerProcess, cores
 from robot.errors import BrickPoseError
@@ -57,6 +60,19 @@ class Workers(Protocol):
         ...
 
 
+@dataclass(frozen=True)
+class _WithFeatures(Generic[S, T]):
+    """Work that another process does with the features of this one."""
+
+    work: Callable[[S], T]
+    left_out: tuple[str, ...]
+
+    def __call__(self, job: S) -> T:
+        if plugged().features.left_out != self.left_out:
+            plug_in(find_features(self.left_out))
+        return self.work(job)
+
+
 class LocalWorkers:
     """Processes of this machine, each with one job at a time."""
 
@@ -81,6 +97,7 @@ class LocalWorkers:
     ) -> Iterator[tuple[int, T | Exception]]:
         """Do all jobs; yield the index and the result or error of each as soon as it is done."""
         left = deque((index, 1) for index in range(len(jobs)))
+        work = _WithFeatures(work, plugged().features.left_out)
         if not self._crews:
             compile_first()  # else each of them would
         while len(self._crews) < min(self.count, len(jobs)):
@@ -154,6 +171,7 @@ class ClusterWorkers:
         from distributed import as_completed  # noqa: PLC0415
 
         left = deque(enumerate(jobs))
+        work = _WithFeatures(work, plugged().features.left_out)
         indices: dict[Any, int] = {}
         done_ones = as_completed(loop=self._client.loop)
 

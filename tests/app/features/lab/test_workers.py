@@ -11,6 +11,8 @@ import worker_jobs
 from distributed import LocalCluster
 from places import HELPERS, ROOT
 
+from app.engine.plugging import plug_in
+from app.feature_search import find_features
 from app.features.lab.workers import ClusterWorkers, LocalWorkers, WorkerError, workers
 from app.settings import provenance
 from robot.settings import SettingError
@@ -65,6 +67,20 @@ def test_the_error_of_a_job_is_its_result_and_the_rest_goes_on(crew, tmp_path):
     assert isinstance(error, ValueError)
     assert str(error) == "three is none of mine"
     assert done == {n: 2 * n for n in (0, 1, 2, 4, 5)}
+
+
+def test_a_feature_that_is_left_out_is_left_out_by_workers_too(crew):
+    """``evaluate --without NAME`` had it in all drives all the same."""
+    try:
+        plug_in(find_features(["own_shadow"]))
+        ((_, names),) = crew.each(worker_jobs.active_features, [0])
+        assert "own_shadow" not in names
+        assert "plausibility" in names
+        plug_in(find_features())
+        ((_, names),) = crew.each(worker_jobs.active_features, [0])
+        assert "own_shadow" in names
+    finally:
+        plug_in(find_features())
 
 
 def test_a_killed_worker_loses_nothing_and_repeats_only_its_own_job(crew, tmp_path):

@@ -1,0 +1,168 @@
+"""TapeWatch: clears scans of tape that is not where the drawing has it, and names it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from app.engine.added_models import AddedModels
+from app.settings.config import Config
+from robot.fields.field import Field
+from robot.geometry import Array, Pose2
+from robot.localization.estimate import BOUNDED, Alert, Cause, State
+from robot.scan import Scan
+
+if TYPE_CHECKING:
+    from robot.misplaced_tape.search import Misplaced, MisplacedTapeSearch
+    from robot.misplaced_tape.tape_drawing import TapeDrawing
+    from robot.misplaced_tape.without_piece import WithoutPiece
+
+DOUBT_S, LONGEST_S = 0.4, 40.0
+"""A place that is in doubt for so long [s] begins the search, which then lasts for so long [s]."""
+KNOWN_SDS = (0.005, 0.005, 0.01)
+"""What a certain place may be off, besides its covariance [m, m, rad]."""
+TOLD_S = 3.0
+"""The filter is told the place at most once in so many seconds."""
+TOLD_M = 0.05
+"""It is told only a place that is known so well [m], one standard deviation."""
+MOST_EDGES = 600
+"""Drawings of more edges are not watched: it would take too long."""
+
+
+@dataclass(slots=True)
+class _Memory:
+    known: tuple[Pose2, Array, Pose2] | None = None
+    """The last certain place, its covariance, and odometry there."""
+    certain_at: float = -math.inf
+    """Its stamp [s]."""
+    search: MisplacedTapeSearch | None = None
+    without: WithoutPiece | None = None
+    finding: Misplaced | None = None
+    """The piece that was found, also while the robot's place is lost."""
+    newest: tuple[Scan, Pose2] | None = None
+    """The newest scan as it was seen, and odometry at its stamp."""
+    told_at: float = -math.inf
+
+
+class TapeWatch(AddedModels):
+    """Offers no model: it looks at the scans that the program's own ones get."""
+
+    memory: _Memory
+
+    def __init__(self, floor: Field) -> None:
+        """Watch the tape of a field."""
+        super().__init__()
+        self._edges = floor.edges
+        self._drawing: TapeDrawing | None = None
+        self.memory = _Memory()
+
+    @property
+    def alerts(self) -> tuple[Alert, ...]:
+        """Which tape is not where the drawing has it; nothing if all is."""
+        finding = self.memory.finding
+        if finding is None or self._drawing is None:
+            return ()
+        return (_alert(finding, self._drawing),)
+
+    def cleared(self, scan: Scan, odometry: Pose2) -> Scan:
+        """Return a scan with that tape hidden, and all behind it."""
+        memory = self.memory
+        memory.newest = scan, odometry
+        return scan if memory.without is None else memory.without.clear(scan, odometry)
+
+    def look(self, state: State, pose: Pose2, covariance: Array, odometry: Pose2) -> None:
+        """Look whether the place is known that the newest scan has led to.
+
+        Args:
+            state: what is claimed of it.
+            pose: the likeliest place.
+            covariance: its covariance (3, 3) [m, m, rad].
+            odometry: at the scan's stamp.
+        """
+        memory = self.memory
+        assert memory.newest is not None
+        scan, _ = memory.newest
+        if memory.without is not None:
+            self._mind(memory.without)
+        if state is State.CERTAIN:
+            wider = covariance + np.diag(np.square(KNOWN_SDS))
+            memory.known, memory.certain_at = (pose, wider, odometry), scan.stamp
+            memory.search = None
+            if memory.finding is not None and memory.without is None:
+                self._follow_without(memory.finding, pose, wider, odometry)
+            return
+        if memory.finding is not None or memory.known is None or state in BOUNDED:
+            return
+        if DOUBT_S < scan.stamp - memory.certain_at < LONGEST_S:
+            self._search(memory.known, scan, odometry)
+
+    def place(self, state: State, odometry: Pose2) -> tuple[Pose2, Array] | None:
+        """Return where the filter shall look for the robot, with a covariance; None if it knows."""
+        memory = self.memory
+        if memory.without is None or memory.newest is None or state in BOUNDED:
+            return None
+        stamp = memory.newest[0].stamp
+        pose, covariance = memory.without.place(odometry)
+        covariance = covariance + np.diag(np.square(KNOWN_SDS))
+        if stamp - memory.told_at < TOLD_S or covariance[:2, :2].max() > TOLD_M**2:
+            return None
+        memory.told_at = stamp
+        return pose, covariance
+
+    def forget(self) -> None:
+        """Forget where the robot was: somebody has said where it is, or that nobody knows."""
+        self.memory.known = self.memory.search = self.memory.without = None
+
+    def _search(self, known: tuple[Pose2, Array, Pose2], scan: Scan, odometry: Pose2) -> None:
+        from robot.misplaced_tape.search import MisplacedTapeSearch  # noqa: PLC0415
+        from robot.misplaced_tape.tape_drawing import TapeDrawing  # noqa: PLC0415 - the first doubt
+        from robot.misplaced_tape.without_piece import WithoutPiece  # noqa: PLC0415
+
+        memory = self.memory
+        self._drawing = drawing = self._drawing or TapeDrawing(self._edges)
+        memory.search = search = memory.search or MisplacedTapeSearch(drawing, *known)
+        finding = search.add(scan, odometry)
+        if finding is not None:
+            memory.finding, memory.search = finding, None
+            follower = search.without(finding.piece)
+            memory.without = WithoutPiece(drawing, follower, finding, odometry)
+
+    def _follow_without(
+        self, finding: Misplaced, pose: Pose2, covariance: Array, odometry: Pose2
+    ) -> None:
+        from robot.misplaced_tape.without_piece import WithoutPiece  # noqa: PLC0415 - rarely
+
+        assert self._drawing is not None
+        follower = self._drawing.follower(pose, covariance, finding.piece)
+        self.memory.without = WithoutPiece(self._drawing, follower, finding, odometry)
+
+    def _mind(self, without: WithoutPiece) -> None:
+        memory = self.memory
+        memory.finding = without.finding
+        if without.fits_again:
+            memory.finding = memory.without = None
+        elif without.is_lost:
+            memory.without = None
+
+
+def tape_watches(config: Config, floor: Field) -> Sequence[TapeWatch]:
+    """Return what watches the tape of an engine's field; nothing if it is of walls."""
+    watched = floor.tape and floor.grid is None and len(floor.edges) <= MOST_EDGES
+    return [TapeWatch(floor)] if watched else []
+
+
+def _alert(finding: Misplaced, drawing: TapeDrawing) -> Alert:
+    x, y = drawing.pieces[finding.piece].middle
+    if finding.aside is None:
+        return Alert(
+            Cause.MAP, f"the tape around x {x:.2f} m, y {y:.2f} m is not where it is drawn"
+        )
+    return Alert(
+        Cause.MAP,
+        f"the tape around x {x:.2f} m, y {y:.2f} m lies {100 * finding.aside:.0f} cm beside its "
+        "place in the drawing",
+    )

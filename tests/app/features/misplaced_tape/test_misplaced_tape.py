@@ -1,0 +1,67 @@
+"""A robot on a floor with tape elsewhere says which, and finds its place without that."""
+
+from __future__ import annotations
+
+import pickle
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from app.features.lab.evaluation.drives import follow_drive
+from app.features.lab.evaluation.integrity.drives import lap_drive
+from app.features.lab.evaluation.integrity.mishaps import MISHAPS
+from app.features.misplaced_tape.watch import TapeWatch, tape_watches
+from app.settings.config import MAPS, Config
+from robot.fields.field_loading import load_field
+from robot.localization.estimate import BOUNDED, Cause, State
+
+KNOWN = np.diag([1e-4, 1e-4, 1e-3])
+
+
+def watch_of(localization):
+    return next(each for each in localization.added if isinstance(each, TapeWatch))
+
+
+@pytest.mark.slow
+def test_a_side_that_lies_elsewhere_is_named_and_the_robot_is_right_again():
+    """From then on it is certain; before it was lost to the end."""
+    config = replace(Config(), map="square", seed=20200)
+    drive = lap_drive(config, 2.0, MISHAPS["piece-elsewhere"]).drive
+    start, field = drive.ticks[0].truth, load_field("square", MAPS)
+    named, right = None, []
+    for tick, odometry, localization in follow_drive(
+        drive, config, lambda begun: begun.set_pose(start, KNOWN), believed=field
+    ):
+        integrity = localization.integrity
+        alerts = [alert.text for alert in integrity.alerts if alert.cause is Cause.MAP]
+        if watch_of(localization).memory.finding is None:
+            continue
+        named = named or tick.stamp
+        assert alerts == [
+            "the tape around x 0.00 m, y -0.50 m lies 10 cm beside its place in the drawing"
+        ]
+        if localization.belief is not None:
+            error = localization.belief.pose(odometry).distance_to(drive.truth_at(tick.scan.stamp))
+            right.append(integrity.state in BOUNDED and error < 0.01)
+        pickle.loads(pickle.dumps(watch_of(localization).memory.without))
+    assert named is not None and named < 25
+    assert np.mean(right) > 0.9
+
+
+def test_nothing_is_said_before_the_place_was_certain():
+    watch = TapeWatch(load_field("square", MAPS))
+    assert watch.alerts == ()
+    config = replace(Config(), map="square", seed=3)
+    drive = lap_drive(config, 0.1).drive
+    tick = next(each for each in drive.ticks if each.scan is not None)
+    assert watch.cleared(tick.scan, tick.odometry) is tick.scan
+    watch.look(State.LOST, tick.truth, KNOWN, tick.odometry)
+    assert watch.memory.search is None
+    assert watch.place(State.LOST, tick.odometry) is None
+
+
+def test_walls_of_a_laser_are_not_watched():
+    field = load_field("square", MAPS)
+    assert tape_watches(Config(), field)
+    assert not tape_watches(Config(), replace(field, tape=()))

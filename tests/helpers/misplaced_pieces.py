@@ -1,0 +1,41 @@
+"""Drives over tape of which one piece lies elsewhere, or is missing, seen by a perfect laser."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+from floor_scans import BEARINGS, CENTRE, NOISE, PERIOD
+
+from robot.fields.field import Field
+from robot.geometry import Array, Pose2
+from robot.misplaced_tape.pieces import TapePiece
+from robot.scan import Scan
+
+REACH = 0.6
+WHEELS = 1.01, 0.98
+"""What odometry reports of ways and turns."""
+
+
+def moved(field: Field, piece: TapePiece, shift: tuple[float, float] | None) -> Field:
+    """Return a field with a piece moved [m], or without it."""
+    edges = field.edges.copy()
+    if shift is None:
+        return replace(field, edges=np.delete(edges, piece.edges, axis=0))
+    edges[piece.edges] += np.tile(shift, 2)
+    return replace(field, edges=edges)
+
+
+def laps(
+    floor: Field, seconds: float, start: Pose2 = Pose2(0.0, -0.2), *, seed: int = 4
+) -> Iterator[tuple[Scan, Pose2, Pose2]]:
+    """Drive in circles to the left; scans, odometry that errs a little, and the truth."""
+    rng, truth, odometry = np.random.default_rng(seed), start, Pose2()
+    step = Pose2(0.15 * PERIOD, 0.0, 0.75 * PERIOD)
+    reported = Pose2(WHEELS[0] * step.x, 0.0, WHEELS[1] * step.theta)
+    for number in range(round(seconds / PERIOD)):
+        seen: Array = floor.ranges((truth @ CENTRE).to_array()[None], BEARINGS, REACH)[0]
+        seen = seen + rng.normal(0.0, NOISE, len(seen))
+        yield Scan(number * PERIOD, BEARINGS, seen, CENTRE), odometry, truth
+        truth, odometry = truth @ step, odometry @ reported
