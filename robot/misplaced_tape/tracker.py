@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from robot import ray_columns as column
 from robot.compiling import compiled
-from robot.covariance import widest
+from robot.covariance import inverse, widest
 from robot.fields.edge_index import EdgeIndex, index_edges
 from robot.fields.ray_casting import cast_toward
 from robot.geometry import Array, Pose2
@@ -59,7 +59,7 @@ class PlaceTracker:
     def step(self, moved: Pose2, rays: Array) -> None:
         """Follow a step of odometry, and lay rays (n, 9) on the tape."""
         self._predict(moved)
-        known: Array = np.linalg.inv(self.covariance)
+        known = inverse(self.covariance)
         before = self.pose
         pose, information, _ = fit_rays(before.to_array(), known, rays, self._matcher)
         self.pose = Pose2(*pose.tolist())
@@ -94,7 +94,7 @@ class PlaceTracker:
 
 def _corrected(covariance: Array, gained: Array) -> Array:
     """Return a covariance (3, 3) after a scan with so much information (3, 3)."""
-    result: Array = np.linalg.inv(np.linalg.inv(covariance) + gained) + LEAST_SD**2 * np.eye(3)
+    result: Array = inverse(inverse(covariance) + gained) + LEAST_SD**2 * np.eye(3)
     return result
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -33,10 +33,18 @@ MOST_EDGES = 600
 """Drawings of more edges are not watched: it would take too long."""
 
 
-@dataclass(slots=True)
+class _Known(NamedTuple):
+    """A place that was certain."""
+
+    pose: Pose2
+    covariance: Array
+    odometry: Pose2
+
+
+@dataclass(slots=True, eq=False)
 class _Memory:
-    known: tuple[Pose2, Array, Pose2] | None = None
-    """The last certain place, its covariance, and odometry there."""
+    known: _Known | None = None
+    """The last such place."""
     certain_at: float = -math.inf
     """Its stamp [s]."""
     search: MisplacedTapeSearch | None = None
@@ -90,7 +98,7 @@ class TapeWatch(AddedModels):
             self._mind(memory.without)
         if state is State.CERTAIN:
             wider = covariance + np.diag(np.square(KNOWN_SDS))
-            memory.known, memory.certain_at = (pose, wider, odometry), scan.stamp
+            memory.known, memory.certain_at = _Known(pose, wider, odometry), scan.stamp
             memory.search = None
             if memory.finding is not None and memory.without is None:
                 self._follow_without(memory.finding, pose, wider, odometry)
@@ -117,7 +125,7 @@ class TapeWatch(AddedModels):
         """Forget where the robot was: somebody has said where it is, or that nobody knows."""
         self.memory.known = self.memory.search = self.memory.without = None
 
-    def _search(self, known: tuple[Pose2, Array, Pose2], scan: Scan, odometry: Pose2) -> None:
+    def _search(self, known: _Known, scan: Scan, odometry: Pose2) -> None:
         from robot.misplaced_tape.search import MisplacedTapeSearch  # noqa: PLC0415
         from robot.misplaced_tape.tape_drawing import TapeDrawing  # noqa: PLC0415 - the first doubt
         from robot.misplaced_tape.without_piece import WithoutPiece  # noqa: PLC0415
