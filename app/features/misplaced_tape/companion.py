@@ -47,7 +47,7 @@ class TapeCompanion:
                 pose = best.pose @ belief.moved(odometry)
                 models.look(state, pose, best.covariance, odometry)
             present = controls.odometry.at(reading.stamp).odom_from_robot
-            place = models.place(state, present)
+            place = models.place(state, belief.pose(present), present)
             if place is not None:
                 localization.note(present)
                 localization.set_pose(*place)

@@ -11,9 +11,10 @@ import numpy as np
 
 from app.engine.added_models import AddedModels
 from app.settings.config import Config
+from robot.covariance import widest
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2
-from robot.localization.estimate import BOUNDED, Alert, Cause, State
+from robot.localization.estimate import BOUNDED, KNOWN, Alert, Cause, State
 from robot.scan import Scan
 
 if TYPE_CHECKING:
@@ -25,9 +26,12 @@ DOUBT_S, LONGEST_S = 0.4, 40.0
 """A place that is in doubt for so long [s] begins the search, which then lasts for so long [s]."""
 KNOWN_SDS = (0.005, 0.005, 0.01)
 """What a certain place may be off, besides its covariance [m, m, rad]."""
+AWAY_M, AWAY_S = 0.04, 0.5
+"""The filter is told the place if it knows none, or one that is farther away than this [m], for so
+long [s]."""
 TOLD_S = 3.0
-"""The filter is told the place at most once in so many seconds."""
-TOLD_M = 0.05
+"""It is told at most once in so many seconds."""
+SURE_M = 0.03
 """It is told only a place that is known so well [m], one standard deviation."""
 MOST_EDGES = 600
 """Drawings of more edges are not watched: it would take too long."""
@@ -53,6 +57,8 @@ class _Memory:
     """The piece that was found, also while the robot's place is lost."""
     newest: tuple[Scan, Pose2] | None = None
     """The newest scan as it was seen, and odometry at its stamp."""
+    agreed_at: float = -math.inf
+    """When the filter last knew the same place."""
     told_at: float = -math.inf
 
 
@@ -108,18 +114,29 @@ class TapeWatch(AddedModels):
         if DOUBT_S < scan.stamp - memory.certain_at < LONGEST_S:
             self._search(memory.known, scan, odometry)
 
-    def place(self, state: State, odometry: Pose2) -> tuple[Pose2, Array] | None:
-        """Return where the filter shall look for the robot, with a covariance; None if it knows."""
+    def place(
+        self, state: State, pose: Pose2 | None, odometry: Pose2
+    ) -> tuple[Pose2, Array] | None:
+        """Return where the filter shall look for the robot, with a covariance; None if it knows.
+
+        Args:
+            state: what is claimed of the filter's place.
+            pose: this place at ``odometry``; None without one.
+            odometry: now.
+        """
         memory = self.memory
-        if memory.without is None or memory.newest is None or state in BOUNDED:
+        if memory.without is None or memory.newest is None:
             return None
         stamp = memory.newest[0].stamp
-        pose, covariance = memory.without.place(odometry)
+        place, covariance = memory.without.place(odometry)
         covariance = covariance + np.diag(np.square(KNOWN_SDS))
-        if stamp - memory.told_at < TOLD_S or covariance[:2, :2].max() > TOLD_M**2:
+        sure = widest(covariance) < SURE_M
+        if not sure or (state in KNOWN and pose and pose.distance_to(place) < AWAY_M):
+            memory.agreed_at = stamp
+        if stamp < max(memory.agreed_at + AWAY_S, memory.told_at + TOLD_S):
             return None
         memory.told_at = stamp
-        return pose, covariance
+        return place, covariance
 
     def forget(self) -> None:
         """Forget where the robot was: somebody has said where it is, or that nobody knows."""

@@ -58,7 +58,7 @@ def test_nothing_is_said_before_the_place_was_certain():
     assert watch.cleared(tick.scan, tick.odometry) is tick.scan
     watch.look(State.LOST, tick.truth, KNOWN, tick.odometry)
     assert watch.memory.search is None
-    assert watch.place(State.LOST, tick.odometry) is None
+    assert watch.place(State.LOST, None, tick.odometry) is None
 
 
 def test_walls_of_a_laser_are_not_watched():
