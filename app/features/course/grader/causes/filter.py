@@ -65,10 +65,21 @@ FILTER = {
         "The numbers do not lie on the line where the weights lie end to end.",
         "Print where each weight ends on the line, and the numbers: both go from 0 to 1, and grow.",
     ),
+    "steps-lost": Cause(
+        "The first ones of the list survive, whatever they weigh.",
+        "All numbers lie below 1/n: the steps from the first to the others are missing.",
+        "For four particles: the first number lies between 0 and 0.25. Where do the others lie?",
+    ),
     "steps": Cause(
         "Those at the end of the list get too many copies, or too few.",
         "The steps along the line are not 1/n.",
         "n numbers, each 1/n farther than the one before: all of them lie below 1.",
+    ),
+    "light-lost": Cause(
+        "What seems unlikely now is forgotten for good.",
+        "Particles that are lighter than the average never survive.",
+        "Each survives as often as its weight says: who weighs half as much as the average, in "
+        "every second draw.",
     ),
     "weights-ignored": Cause(
         "Bad particles count as much as good ones.",
@@ -244,7 +255,7 @@ FILTER = {
     ),
     "diagonal": Cause(
         "All particles lie on one line.",
-        "The same random numbers serve twice.",
+        "The same numbers serve twice, whether drawn or counted off.",
         "Draw separate numbers for x, for y and for the heading.",
     ),
     "field-size": Cause(
@@ -389,6 +400,11 @@ FILTER = {
         "The belief runs away.",
         "What is seen is added, not how far it is from what was believed.",
         "If the place that is seen is the believed one, nothing is to be corrected.",
+    ),
+    "look-widens": Cause(
+        "After a look the belief is less sure than before, or than the look alone.",
+        "Another rule makes the variance: two that are known together are surer than either.",
+        "After the look the share 1 - k of the variance after the step is left; return its root.",
     ),
     "never-surer": Cause(
         "However often it looks, it never becomes surer.",

@@ -51,6 +51,11 @@ MOTION = {
         "The heading that comes back is the one from before.",
         "The new heading is the old one plus the turn.",
     ),
+    "straight-lost": Cause(
+        "The robot turns and drives arcs, but never straight ahead.",
+        "Where both wheels roll alike, the pose stays as it was.",
+        "A way without a turn is still a way: what does your code do where the turn is 0?",
+    ),
     "turn-summed": Cause(
         "Driving straight ahead turns the robot.",
         "The turn is made of the sum of the wheels' ways, not of their difference.",
@@ -170,6 +175,12 @@ MOTION = {
         "The cloud is far too wide.",
         "A standard deviation is used where a variance is due: the root is drawn twice.",
         "normal wants a standard deviation, and a covariance holds variances.",
+    ),
+    "noise-scaled": Cause(
+        "The whole cloud is too narrow, or too wide, by one and the same factor.",
+        "The noise has not the standard deviation that the variances give.",
+        "What is drawn before it is multiplied has to have the standard deviation 1, as "
+        "rng.standard_normal has; rng.random() - 0.5 has 0.29.",
     ),
     "noise-form": Cause(
         "The cloud is shifted, or has sharp ends.",

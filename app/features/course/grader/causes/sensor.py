@@ -26,6 +26,12 @@ SENSOR = {
         "Cosine and sine want radians, and headings and bearings are radians. Which of your angles "
         "are in degrees?",
     ),
+    "origin-wrong": Cause(
+        "The cloud is shifted by a constant.",
+        "The place where the field begins is used wrongly: x for y, or added instead of "
+        "subtracted.",
+        "A cell's column counts from the origin's x, its row from the origin's y.",
+    ),
     "S5": Cause(
         "The cloud is shifted by a constant.",
         "The place where the field begins is ignored.",

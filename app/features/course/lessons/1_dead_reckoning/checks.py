@@ -103,6 +103,7 @@ def expected(case: Case, mistakes: frozenset[str]) -> Array:
         turn = right - left
     turn = abs(turn) if "turn-one-way" in mistakes else turn
     turn *= next((share for name, share in TURNS.items() if name in mistakes), 1.0)
+    way = 0.0 if "straight-kept" in mistakes and left == right else way
     direction = _direction(float(pose[2]), turn, mistakes)
     along_x = pose[2] if "old-heading-x" in mistakes else direction
     along_y = pose[2] if "old-heading-y" in mistakes else direction
@@ -239,6 +240,7 @@ CHECKS = Checks(
         Hypothesis("old-heading-x", "old-heading"),
         Hypothesis("old-heading-y", "old-heading"),
         Hypothesis("turn-lost", "turn-lost"),
+        Hypothesis("straight-kept", "straight-lost"),
         Hypothesis("x-kept", "axis-lost"),
         Hypothesis("y-kept", "axis-lost"),
         Hypothesis("sine-negative", "slip-sign", broad=True),

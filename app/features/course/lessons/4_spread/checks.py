@@ -26,6 +26,9 @@ LIKELY = 6.0
 """Standard errors that a correct cloud never differs by, and no seed of the checks comes near."""
 ALIKE = 2e-6
 """Deviations [m or rad] that are none."""
+ONE_FACTOR = 0.25
+"""Logarithms of deviations that differ less from what is due have one factor: each varies by chance
+by 0.03, and noise on one part alone changes it by 0.5 and more."""
 OPPOSITE = 0.5
 """Directions so near to the opposite one are those of a way whose noise made it negative [rad]."""
 NOISELESS = np.zeros(4)
@@ -214,8 +217,23 @@ def _without_noise(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
 def _areas(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
     """Say whether it is the step or its noise, where nothing more is known."""
     wrong = [item for item in outcomes if item.case.kind != "seeds" and not _right(item)]
-    if wrong:
+    if wrong and _is_scaled(outcomes, wrong):
+        yield Sign("noise-scaled", wrong[0], weak=True)
+    elif wrong:
         yield Sign("noise-of-step" if _is_cloud(wrong[0].case) else "step", wrong[0], weak=True)
+
+
+def _is_scaled(outcomes: Sequence[Outcome], wrong: Sequence[Outcome]) -> bool:
+    """Return whether nothing but the clouds is wrong, and all deviations are so by one factor."""
+    clouds = [item for item in outcomes if _is_cloud(item.case)]
+    if not all(_is_cloud(item.case) for item in wrong):
+        return False
+    factors = []
+    for cloud in clouds:
+        given, due = features(cloud), expected(cloud.case, REFERENCE)
+        spread = due[3:6] > math.log(100 * ALIKE)
+        factors += list((given - due)[3:6][spread])
+    return bool(np.ptp(factors) < ONE_FACTOR)
 
 
 def _right(outcome: Outcome) -> bool:

@@ -108,8 +108,11 @@ def _shifted(weights: Array, shift: int) -> Array:
     return moved
 
 
-def _stepped(weights: Array, parts: int) -> Array:
-    """Return the copies' shares where each step is one of as many parts of the line."""
+def _stepped(weights: Array, parts: float) -> Array:
+    """Return the copies' shares where each step is one of as many parts of the line.
+
+    Of infinitely many parts, no step goes anywhere.
+    """
     count = len(weights)
     points = STARTS[:, None] / count + np.arange(count) / parts
     drawn = np.searchsorted(np.cumsum(weights), points).clip(0, count - 1)
@@ -127,6 +130,7 @@ RULES: dict[str, Callable[[Array], Array]] = {
     "roots": lambda weights: np.sqrt(weights) / np.sqrt(weights).sum(),
     "longer-steps": lambda weights: _stepped(weights, len(weights) - 1),
     "shorter-steps": lambda weights: _stepped(weights, len(weights) + 1),
+    "no-steps": lambda weights: _stepped(weights, np.inf),
 }
 
 
@@ -172,7 +176,8 @@ def _survivors(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
         yield Sign("copies-fixed", fixed[0])
         return
     if unlike and not wrong:
-        yield Sign("line", unlike[0], weak=True)
+        light = all(_is_light_lost(item) for item in unlike)
+        yield Sign("light-lost" if light else "line", unlike[0], weak=True)
     if wrong:
         beside = all(near for _, near in wrong)
         # An index that is off by one is so always, but where it is cut off at an end.
@@ -184,6 +189,13 @@ def _is_fixed(outcome: Outcome) -> bool:
     """Return whether each draw gives each particle the same number of copies."""
     copies = [np.sort(_drawn(each, outcome.case)) for each in outcome.answers]
     return all(np.array_equal(copies[0], each) for each in copies)
+
+
+def _is_light_lost(outcome: Outcome) -> bool:
+    """Return whether no particle that is lighter than the average survives, though it should."""
+    due, copies = expected(outcome.case, frozenset()), features(outcome)
+    light = (due < 1) & (due > 0)
+    return bool(light.any() and not copies[light].any())
 
 
 def _immortal(outcome: Outcome, drawn: Indices) -> bool:
@@ -253,6 +265,7 @@ CHECKS = Checks(
         Hypothesis("roots", "weights-changed", ALL),
         Hypothesis("longer-steps", "steps", ALL),
         Hypothesis("shorter-steps", "steps", ALL),
+        Hypothesis("no-steps", "steps-lost", ALL),
     ),
     signs=signs,
     show=show,

@@ -270,6 +270,8 @@ def _stands(moved: Array, mistakes: frozenset[str]) -> bool:
     way = next((each for name, each in ways.items() if name in mistakes), math.hypot(dx, dy))
     short = way < STILL_M
     straight = (turn if "signed" in mistakes else abs(turn)) < STILL_RAD
+    if "turn-in-degrees" in mistakes:
+        straight = math.degrees(abs(turn)) < STILL_RAD
     if "either" in mistakes:
         return bool(short or straight)
     return bool(short and (straight or "way-alone" in mistakes))
@@ -402,6 +404,7 @@ CHECKS = Checks(
         Hypothesis("worse-more", "slip-sign", broad=True),
         Hypothesis("log-returned", "log-returned"),
         *(Hypothesis(name, "standing", frozenset(STANDS)) for name in STANDS),
+        Hypothesis("turn-in-degrees", "S4", frozenset(STANDS)),
     ),
     signs=signs,
     show=show,

@@ -35,6 +35,8 @@ NEAR_M, NEAR_RAD = 0.1, 0.5
 """Particles this near to the heaviest belong to its place."""
 CORNERS = 4
 """Columns, rows and headings into which the field is divided to look for empty places."""
+X_WITH_Y, ONE_LINE = 7, 0.99
+"""The feature that relates x and y, and where it says that one follows from the other."""
 WEIGHTS = np.array([0.4, 0.3, 0.3])
 CLOUDS: tuple[tuple[str, str, Array, Array], ...] = (
     ("one", "One particle.", np.array([[0.0, 0.0, 0.0]]), np.ones(1)),
@@ -187,7 +189,12 @@ def _mean(poses: Array, weights: Array, mistakes: frozenset[str]) -> Array:
     if "not-wrapped" not in mistakes:
         offsets[:, 2] = wrap_angle(offsets[:, 2])
     away = np.hypot(offsets[:, 0], offsets[:, 1])
-    ways = {"x-alone": np.abs(offsets[:, 0]), "squared-away": away**2, "wide": 0.1 * away}
+    ways = {
+        "x-alone": np.abs(offsets[:, 0]),
+        "box": np.abs(offsets[:, :2]).max(axis=1),
+        "squared-away": away**2,
+        "wide": 0.1 * away,
+    }
     away = next((each for name, each in ways.items() if name in mistakes), away)
     near = away < NEAR_M
     if "place-apart" in mistakes:
@@ -311,7 +318,8 @@ def _areas(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
         right = np.abs(features(outcome) - due) <= outcome.case.tolerance
         if not right.all():
             if outcome.case.function == "init":
-                yield Sign("not-even", outcome, weak=True)
+                together = abs(features(outcome)[X_WITH_Y]) > ONE_LINE
+                yield Sign("diagonal" if together else "not-even", outcome, weak=True)
             else:
                 yield Sign("heading" if right[:2].all() else "place", outcome, weak=True)
             return
@@ -379,7 +387,7 @@ CHECKS = Checks(
         Hypothesis("size-alone", "S5", STARTS),
         Hypothesis("one-number", "diagonal", STARTS),
         Hypothesis("place-apart", "middle", kind="places"),
-        *(Hypothesis(name, "middle") for name in ("x-alone", "squared-away", "wide")),
+        *(Hypothesis(name, "middle") for name in ("x-alone", "box", "squared-away", "wide")),
         Hypothesis("squares", "weights-changed"),
         Hypothesis("by-count", "shares"),
         Hypothesis("of-all", "shares"),

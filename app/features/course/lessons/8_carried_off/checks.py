@@ -317,7 +317,7 @@ CHECKS = Checks(
         *(Hypothesis(name, cause) for name, cause in KEEPINGS.items()),
         Hypothesis("rates-swapped", "rates"),
         Hypothesis("all", "all-new", ALL),
-        Hypothesis("all-if-any", "all-new", ALL),
+        Hypothesis("all-if-any", "all-new", ALL, broad=True),
         Hypothesis("first-ones", "same-places", PLACES),
         Hypothesis("last-ones", "same-places", PLACES),
     ),

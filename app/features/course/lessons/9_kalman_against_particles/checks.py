@@ -100,11 +100,23 @@ def _gain(sd: float, before: float, seen_sd: float, mistakes: frozenset[str]) ->
 
 def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
     """Say which of the two numbers is wrong, where nothing more is known."""
+    unsurer = next((item for item in outcomes if _is_unsurer(item)), None)
+    if unsurer is not None:
+        yield Sign("look-widens", unsurer, weak=True)
+        return
     for outcome in outcomes:
         right = np.abs(features(outcome) - expected(outcome.case, frozenset())) <= 1e-6
         if not right.all():
             yield Sign("spread-alone" if right[0] else "mean-alone", outcome, weak=True)
             return
+
+
+def _is_unsurer(outcome: Outcome) -> bool:
+    """Return whether the mean is right, but less sure than the step or the look alone."""
+    _, sd, _, moved_sd, _, seen_sd = outcome.case.arguments
+    given, due = features(outcome), expected(outcome.case, frozenset())
+    surest = min(math.hypot(sd, moved_sd), seen_sd)
+    return bool(abs(given[0] - due[0]) <= 1e-6 and given[1] > surest + 1e-6)
 
 
 def show(_case: Case, values: Array) -> str:
