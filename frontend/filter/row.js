@@ -28,7 +28,8 @@ export class ParameterRow {
     this.words = `${words} ${parameter.name}`.trim();
     const { name } = parameter;
     const meaning = translated(parameter.meaning);
-    const code = make("span", { class: words && "quiet" }, name);
+    const parts = name.split(/(?<=_)/).flatMap((part) => [part, make("wbr")]); // a line may end there
+    const code = make("span", { class: words && "quiet" }, ...parts);
     const title = make(
       "span",
       { class: "name", id: `name-${name}`, title: `${name}: ${meaning}` },

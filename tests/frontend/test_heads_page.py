@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
+
 import pytest
 from browsing import opened
 from playwright.sync_api import Page
-from serving import serving
+from serving import serving, started
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 
@@ -23,7 +26,7 @@ FAULTS = """([layout, text, more]) => {
   root.style.setProperty("--size", text === "larger" ? "1.5" : "");
   if (text !== "larger") root.style.removeProperty("--size");
   root.dataset.more = more;
-  document.querySelector(`[data-layout=${layout}]`).click();
+  document.querySelector(`[data-layout=${layout}]`)?.click(); // other pages have none
   dispatchEvent(new Event("resize"));
   const faults = new Set();
   const name = (one) =>
@@ -81,6 +84,14 @@ FAULTS = """([layout, text, more]) => {
     const parent = texts.currentNode.parentElement;
     const silent = "h1, script, noscript, datalist, option, .hidden-text, .skip, .scenes";
     if (!texts.currentNode.data.trim() || parent.closest(silent) || !seen(parent)) continue;
+    for (const word of texts.currentNode.data.matchAll(/[^\\s\\-\\u00AD\\/–]+/g)) {
+      range.setStart(texts.currentNode, word.index);
+      range.setEnd(texts.currentNode, word.index + word[0].length);
+      const tops = [...range.getClientRects()].filter((line) => line.width > 0)
+        .map((line) => line.top);
+      if (tops.length > 1 && Math.max(...tops) - Math.min(...tops) > 2)
+        faults.add(`${where(parent)}: the word ${word[0]} of ${name(parent)} is broken`);
+    }
     range.selectNodeContents(texts.currentNode);
     for (const line of range.getClientRects()) {
       let {left, top, right, bottom} = line, scrolls = false;
@@ -120,6 +131,36 @@ def test_nothing_is_cut_and_nothing_overlaps(browser, server, language: str) -> 
                 found = faults_of(page, layout, text, more)
                 faults += [f"{width} {layout} {text} {more}: {fault}" for fault in found]
     assert not faults, f"{len(faults)}:\n" + "\n".join(faults[:60])
+
+
+@pytest.mark.parametrize("language", ["en-US", "de-DE"])
+def test_the_other_pages_are_not_cut_either(browser, server, tmp_path, language: str) -> None:
+    faults: list[str] = []
+    words = ("learn", "3", "--robot", "kinematic", "--map", "stub", "--port", "0")
+    file = str(tmp_path / "my_filter.py")
+    with started(*words, "--file", file, says=r"(http://[^\s]+/learn/3)") as (_, lesson):
+        for page in opened(browser, server, width=1366, height=900, view=False, locale=language):
+            page.route(re.compile(r"//[^/]+/$"), lambda route: route.fulfill(body="dashboard"))
+            for address in (f"{server.url}/lens", f"{server.url}/field_editor"):
+                faults += faults_at(page, address)
+        context = browser.new_context(locale=language)
+        page = context.new_page()
+        page.route(re.compile(r"//[^/]+/$"), lambda route: route.fulfill(body="dashboard"))
+        faults += faults_at(page, lesson)
+        context.close()
+    assert not faults, f"{len(faults)}:\n" + "\n".join(faults[:60])
+
+
+def faults_at(page: Page, address: str) -> list[str]:
+    page.goto(address)
+    page.wait_for_load_state("networkidle" if "learn" in address else "load")
+    faults: list[str] = []
+    for width, height in SIZES:
+        page.set_viewport_size({"width": width, "height": height})
+        for text in TEXTS:
+            name = f"{width} {Path(address).name} {text}"
+            faults += [f"{name}: {fault}" for fault in faults_of(page, "none", text, "")]
+    return faults
 
 
 def faults_of(page: Page, layout: str, text: str, more: str) -> list[str]:
