@@ -7,5 +7,5 @@ FEATURE = Feature(
     about="names tape that does not lie where the drawing has it, and does without it",
     compiled=(Late("app.features.misplaced_tape.compiled:COMPILED"),),
     models=(Late("app.features.misplaced_tape.watch:tape_watches"),),
-    companions=(Late("app.features.misplaced_tape.companion:tape_companion"),),
+    companions=(Late("app.features.misplaced_tape.watch:tape_companion"),),
 )

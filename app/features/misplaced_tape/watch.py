@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from app.engine.added_models import AddedModels
+from app.engine.controls import Controls
+from app.messages.commands import Command
 from app.settings.config import Config
 from robot.covariance import widest
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2
+from robot.interface import Reading, Robot
 from robot.localization.estimate import BOUNDED, KNOWN, Alert, Cause, State
 from robot.scan import Scan
 
@@ -178,6 +181,54 @@ def tape_watches(config: Config, floor: Field) -> Sequence[TapeWatch]:
     """Return what watches the tape of an engine's field; nothing if it is of walls."""
     watched = floor.tape and floor.grid is None and len(floor.edges) <= MOST_EDGES
     return [TapeWatch(floor)] if watched else []
+
+
+class TapeCompanion:
+    """Shows the watch what the filter made of each scan, and tells the filter a place."""
+
+    needs_pictures = False
+    shown = None
+
+    def __init__(self) -> None:
+        self._map_from_odom = Pose2()
+        """Where somebody has put the robot, and that was told."""
+        self._newest: tuple[Scan, Pose2] | None = None
+
+    def commands(self, odom_from_robot: Pose2, controls: Controls) -> Iterable[Command]:
+        """Give no commands: a replay finds the same place by itself."""
+        return ()
+
+    def add(self, reading: Reading, controls: Controls) -> None:
+        """Comparison at what the filter made of the newest scan."""
+        localization = controls.localization
+        newest, belief = localization.newest, localization.belief
+        if newest is self._newest or newest is None or belief is None:
+            return
+        self._newest, odometry = newest, newest[1]
+        state, estimate = localization.integrity.state, belief.estimate
+        for models in localization.added:
+            if not isinstance(models, TapeWatch) or localization.paused:
+                continue
+            if controls.map_from_odom != self._map_from_odom:
+                models.forget()
+            best = max(estimate.hypotheses, key=lambda each: each.weight, default=None)
+            if best is not None:
+                pose = best.pose @ belief.moved(odometry)
+                models.look(state, pose, best.covariance, odometry)
+            present = controls.odometry.at(reading.stamp).odom_from_robot
+            place = models.place(state, belief.pose(present), present)
+            if place is not None:
+                localization.note(present)
+                localization.set_pose(*place)
+        self._map_from_odom = controls.map_from_odom
+
+    def close(self) -> None:
+        """Do nothing: there is no thread."""
+
+
+def tape_companion(config: Config, robot: Robot, field: Field) -> Iterable[TapeCompanion]:
+    """Return what goes along with an engine."""
+    return (TapeCompanion(),)
 
 
 def _alert(finding: Misplaced, drawing: TapeDrawing) -> Alert:
