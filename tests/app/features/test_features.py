@@ -62,6 +62,7 @@ NAMES = [
     "kept_pose",
     "lab",
     "mapping",
+    "misplaced_tape",
     "navigation",
     "own_models",
     "own_shadow",
