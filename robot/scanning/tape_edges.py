@@ -190,7 +190,11 @@ def _go_on(
 
 @compiled()
 def judge_chain(
-    chain: Array, left: int, right: int, limits: Limits, curve: Array
+    chain: Array,
+    left: int,
+    right: int,
+    limits: Limits,
+    curve: Array,
 ) -> tuple[int, float]:
     """Return the verdict of the pair in the middle of a chain, and its width [m].
 
@@ -245,7 +249,13 @@ def judge_chain(
 
 
 @compiled()
-def _fit_bend(chain: Array, first: int, last: int, limits: Limits, curve: Array) -> float:
+def _fit_bend(
+    chain: Array,
+    first: int,
+    last: int,
+    limits: Limits,
+    curve: Array,
+) -> float:
     """Return the width [m] of tape whose entries lie on an arc; -1 if it is not such tape.
 
     An arc fits more shapes than a line does, so its limits are ``STRICTER`` times tighter:
