@@ -136,9 +136,9 @@ def stands(moved: Pose2) -> bool:
 def misplaced(follower: PlaceFollower) -> Misplaced | None:
     """Return what the piece that a follower leaves out is; None if it is laid by hand only."""
     assert follower.piece is not None
-    offsets = np.array(follower.offsets)
-    if len(offsets) < max(FEW, FEW_SHARE * follower.through):
+    if follower.beside < max(FEW, FEW_SHARE * follower.through):
         return Misplaced(follower.piece, None)
+    offsets = np.array(follower.offsets)
     middle = float(np.median(offsets))
     if (np.abs(offsets - middle) < SPREAD).mean() < TOGETHER or abs(middle) < SMALL:
         return None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -30,6 +31,8 @@ STEEP, CLEAR = 0.3, 0.5
 of a return."""
 BESIDE, BEYOND = 0.3, 0.05
 """Tape that lies elsewhere is no farther than this aside, and beyond the ends of its place [m]."""
+REMEMBERED = 1000
+"""So many returns beside a piece are remembered: a robot may do without it for hours."""
 
 Rays = NDArray[np.bool_]
 
@@ -52,8 +55,10 @@ class PlaceFollower:
     """Rays that see the piece where it is drawn."""
     through: int = 0
     """Rays that look there and do not see it."""
-    offsets: list[float] = field(default_factory=list)
-    """How far returns lie beside it [m]."""
+    beside: int = 0
+    """Returns that lie beside it."""
+    offsets: deque[float] = field(default_factory=lambda: deque(maxlen=REMEMBERED))
+    """How far the last of them do [m]."""
 
 
 class Comparison(NamedTuple):
@@ -104,7 +109,8 @@ class TapeDrawing:
         nearest, offset = self._beside(rays[odd], pose, self.pieces[piece].edges)
         own = nearest >= 0
         follower.misses -= int(own.sum())
-        follower.offsets += offset[own].tolist()
+        follower.beside += int(own.sum())
+        follower.offsets.extend(offset[own].tolist())
         meets, due = self._meets(rays, pose, drawn)
         in_place, _, _ = _compare(seen, meets, due)
         follower.in_place += int((due & in_place).sum())

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pickle
+
 import numpy as np
 import pytest
 from misplaced_pieces import laps, moved
@@ -45,6 +47,18 @@ def test_what_is_left_of_a_scan_fits_the_drawing(floor):
         assert surprising.sum() + missed.sum() <= 3
     assert not followed.is_lost
     assert not followed.fits_again
+
+
+def test_what_is_remembered_does_not_grow_with_the_drive():
+    """After an hour, each picture would have gone through millions of returns."""
+    followed = without()
+    sizes = []
+    for number, (scan, odometry, _) in enumerate(laps(ELSEWHERE, 60.0, START)):
+        followed.clear(scan, odometry)
+        if number % 300 == 299:
+            sizes.append(len(pickle.dumps(followed)))
+    assert sizes[-1] < sizes[-2] + 100
+    assert followed.finding.aside == pytest.approx(0.1, abs=0.01)
 
 
 def test_it_is_measured_while_it_is_done_without():
