@@ -11,7 +11,7 @@ from concurrent.futures import TimeoutError as TooLongError
 from pathlib import Path
 from typing import TypeVar
 
-from app.operating_system import give_way
+from app.operating_system import set_niceness
 from app.worker_process import WorkerEndedError, WorkerProcess
 from robot.errors import BrickPoseError
 
@@ -54,7 +54,7 @@ def read_apart(read: Callable[[Path], T], path: Path, patience_s: float = PATIEN
 
 def _read_within_limits(job: tuple[Callable[[Path], T], Path]) -> T:
     read, path = job
-    give_way(NICENESS)
+    set_niceness(NICENESS)
     _limit_memory()
     return read(path)
 

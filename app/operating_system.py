@@ -13,7 +13,7 @@ import os
 import signal
 import socket
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from typing import Any
 
@@ -32,8 +32,6 @@ ABOVE_NORMAL = 0x8000
 """Windows' class of priority for work that comes before others."""
 BELOW_NORMAL = 0x4000
 """Windows' class of priority for work that others come before."""
-NEW_GROUP = 0x200
-"""Windows' flag for a new process that Ctrl-C does not reach."""
 
 
 def windows_kernel() -> Any:
@@ -81,13 +79,6 @@ def claim_address(listening: socket.socket) -> None:
         listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
 
 
-def own_group() -> Mapping[str, Any]:
-    """Return arguments of ``Popen`` for a process that Ctrl-C on the terminal does not reach."""
-    if sys.platform == "win32":
-        return {"creationflags": NEW_GROUP}
-    return {"start_new_session": True}
-
-
 @contextmanager
 def children_deaf_to_ctrl_c() -> Iterator[None]:
     """Start processes in this block that Ctrl-C does not reach, also while they begin."""
@@ -106,24 +97,17 @@ def children_deaf_to_ctrl_c() -> Iterator[None]:
             signal.pthread_sigmask(signal.SIG_UNBLOCK, (signal.SIGINT,))
 
 
-def come_first() -> None:
-    """Let this process work before others, if the system allows it."""
+def set_niceness(niceness: int) -> None:
+    """Let this process work before others, if below zero, or only with what they leave it.
+
+    Windows has one step of each. A system that does not allow the former changes nothing.
+    """
     if sys.platform == "win32":
         kernel = windows_kernel()
         kernel.GetCurrentProcess.restype = ctypes.c_void_p
         kernel.SetPriorityClass.argtypes = (ctypes.c_void_p, ctypes.c_uint32)
-        kernel.SetPriorityClass(kernel.GetCurrentProcess(), ABOVE_NORMAL)
+        priority = ABOVE_NORMAL if niceness < 0 else BELOW_NORMAL
+        kernel.SetPriorityClass(kernel.GetCurrentProcess(), priority)
     else:
         with suppress(PermissionError):
-            os.setpriority(os.PRIO_PROCESS, 0, -5)
-
-
-def give_way(niceness: int) -> None:
-    """Let this process work only with what other programs leave it; Windows has one step of it."""
-    if sys.platform == "win32":
-        kernel = windows_kernel()
-        kernel.GetCurrentProcess.restype = ctypes.c_void_p
-        kernel.SetPriorityClass.argtypes = (ctypes.c_void_p, ctypes.c_uint32)
-        kernel.SetPriorityClass(kernel.GetCurrentProcess(), BELOW_NORMAL)
-    else:
-        os.setpriority(os.PRIO_PROCESS, 0, niceness)
+            os.setpriority(os.PRIO_PROCESS, 0, niceness)

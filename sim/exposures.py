@@ -59,20 +59,12 @@ class Exposures:
             rng: draws which pictures are lost.
         """
         self._rate = settings.frame_rate
-        self._until_read = settings.exposure / 2 + readout / 2
-        self._until_here = self._until_read + settings.delay
+        self.until_read = settings.exposure / 2 + readout / 2
+        """Time from the stamp (the middle of the exposure) until the last row is exposed [s]."""
+        self.until_here = self.until_read + settings.delay
+        """Time from the stamp until the picture is in memory [s]."""
         self._losses = Losses(settings, rng)
         self._next = 0
-
-    @property
-    def until_read(self) -> float:
-        """Time from the stamp (the middle of the exposure) until the last row is exposed [s]."""
-        return self._until_read
-
-    @property
-    def until_here(self) -> float:
-        """Time from the stamp until the picture is in memory [s]."""
-        return self._until_here
 
     def near(self, stamp: float, margin: float) -> bool:
         """Whether there is a picture's stamp within a margin [s] of a stamp."""

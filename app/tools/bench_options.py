@@ -7,15 +7,21 @@ import subprocess
 import sys
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 from app.command_parser import CommandParser
 from app.interruption import deferred
-from app.operating_system import own_group
 from app.settings.config import ROOT
 from robot.settings import SettingError
 
 LOOK_S = 0.2
 """Interval of checking whether a signal asks to end [s]."""
+
+BESIDE: dict[str, Any] = (
+    {"creationflags": 0x200} if sys.platform == "win32" else {"start_new_session": True}
+)
+"""Options of a process that Ctrl-C on the terminal does not reach; on Windows, a new group's flag.
+"""
 
 PATIENCE_S = 10.0
 """Time that a benchmark has to end [s]."""
@@ -46,7 +52,7 @@ def _bench(parsed: argparse.Namespace) -> int:
     command = [sys.executable, "-m", "benchmarks", *parsed.names, *written, *minutes]
     # Ctrl-C reaches it by this program alone.
     with deferred() as asked:
-        child = subprocess.Popen(command, cwd=ROOT, **own_group())
+        child = subprocess.Popen(command, cwd=ROOT, **BESIDE)
         try:
             while child.poll() is None and not asked():
                 with suppress(subprocess.TimeoutExpired):

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from robot.calibration.sightings import FloorPoints
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2
-from robot.localization.hypotheses.coarse_grid import Cheapest, CoarseGrid, costs_at
+from robot.localization.hypotheses.coarse_grid import Cheapest, CoarseGrid, cost_at
 from robot.localization.models.entry_field import EntryField
 
 SECONDS = 3.0
@@ -126,6 +126,12 @@ def pose_near(pose: Array, covariance: Array, ends: Array, entries: EntryField) 
         cheapest = int(np.argmin(unlikely + EDGE_WEIGHT * costs))
         best = lattice[cheapest]
     return best if costs[cheapest] < WORST * len(ends) else None
+
+
+def costs_at(poses: Array, ends: Array, entries: EntryField, blur: float) -> Array:
+    """Return the costs (n,) of poses (n, 3), as ``CoarseGrid.score`` has them."""
+    table = entries.distances, entries.origin, entries.resolution
+    return np.array([cost_at(pose, ends, *table, blur) for pose in poses])
 
 
 def _lattice(steps: Array, counts: NDArray[np.int64]) -> Array:

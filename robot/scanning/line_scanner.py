@@ -144,6 +144,9 @@ class LineScanner:
                 twist.v,
                 twist.omega,
             )
+            tape.verdicts[(tape.verdicts == Verdict.COUNTED) & np.isinf(ranges)] = (
+                Verdict.NOT_STRAIGHT
+            )
         return LineScan(
             Scan(
                 frame.stamp,

@@ -118,7 +118,7 @@ def judge_pairs(
             verdict, across = judge_chain(chain, left, right, limits, curve)
             if pair == 0 or verdict == _COUNTED or verdict > verdicts[ray]:
                 chosen[ray], verdicts[ray], widths[ray] = pair, verdict, across
-                _copy(curve, curves[ray])
+                curves[ray] = curve
             if verdict == _COUNTED:
                 break
     sure = verdicts == _COUNTED
@@ -130,14 +130,8 @@ def judge_pairs(
         if verdicts[ray] == _COUNTED:
             meet(entry[0], entry[1], curves[ray], lines[ray])
         else:
-            _copy(curves[ray, :3], lines[ray])
+            lines[ray] = curves[ray, :3]
     return chosen, verdicts, widths, lines
-
-
-@compiled()
-def _copy(source: Array, target: Array) -> None:
-    for j in range(len(source)):
-        target[j] = source[j]
 
 
 @compiled()
@@ -184,7 +178,7 @@ def _go_on(
             if near and abs(distance(x, y, curve)) <= straightness:
                 chosen[ray], verdicts[ray] = pair, _COUNTED
                 widths[ray] = widths[beside]
-                _copy(curves[beside], curves[ray])
+                curves[ray] = curves[beside]
                 break
 
 
@@ -229,7 +223,7 @@ def judge_chain(
         fit_line(chain, first, last, trial)
         straight = trial[3] <= straightness and taper(chain, first, last, trial) <= max_taper
         if straight or trial[3] < curve[3]:
-            _copy(trial, curve)
+            curve[:] = trial
             verdict = _NOT_STRAIGHT
         if straight:
             curve[2] += bow(chain, first, last, curve, middle)
@@ -243,7 +237,7 @@ def judge_chain(
             continue
         bent = _fit_bend(chain, first, last, limits, trial)
         if bent > 0:
-            _copy(trial, curve)
+            curve[:] = trial
             return _COUNTED, bent
     return verdict, across
 

@@ -10,7 +10,7 @@ from typing import TypeVar
 
 from app.engine.mailboxes.backlog import Backlog
 from app.engine.snapshot import Snapshot
-from app.operating_system import give_way as give_way_here
+from app.operating_system import set_niceness
 from app.worker_process import WorkerProcess
 from robot.errors import BrickPoseError
 from robot.geometry import Pose2
@@ -32,7 +32,7 @@ class FollowingError(BrickPoseError, RuntimeError):
 
 def give_way(process: WorkerProcess) -> None:
     """Let the process work only with what the control loop and other programs leave it."""
-    process.submit(give_way_here, NICENESS)
+    process.submit(set_niceness, NICENESS)
 
 
 def start_of(first: Snapshot) -> Pose2:

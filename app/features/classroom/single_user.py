@@ -25,7 +25,7 @@ from app.features.classroom.told_sockets import ToldSockets
 from app.features.classroom.warm.request import ENDED
 from app.features.course.learn_command import learn
 from app.languages.marking import phrase
-from app.operating_system import give_way
+from app.operating_system import set_niceness
 from app.page.run_command import run_dashboard
 from app.settings.config import FRONTEND, Config
 
@@ -110,5 +110,5 @@ def _student_panels() -> tuple[Panel, ...]:
 def _watched(program: Program, sleeper: Sleeper) -> APIRouter:
     sleeper.watch(program)
     with suppress(OSError):  # without root nobody comes forward again
-        give_way(SERVING_NICENESS)  # its process that drives was begun before
+        set_niceness(SERVING_NICENESS)  # its process that drives was begun before
     return APIRouter()

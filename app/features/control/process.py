@@ -40,7 +40,7 @@ from app.features.control.messages import (
 from app.features.control.parts import PartsWriter
 from app.features.control.shared_ring import SharedRing
 from app.features.control.tick_sender import TickSender
-from app.operating_system import come_first
+from app.operating_system import set_niceness
 from app.settings.config import Config
 from robot.description.spec import RobotSpec
 from robot.fields.field import Field
@@ -54,6 +54,9 @@ from robot.scan import Scan
 from robot.scanning.line_scanner import LineScan, LineScanner
 from sim.real_time import RealTime
 from sim.simulated import SimSettings
+
+NICENESS = -5
+"""Control comes before the server and other programs, where the system allows it."""
 
 PARTS = (
     Cloud,
@@ -96,7 +99,7 @@ def control(
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the server, which then asks
     sys.setswitchinterval(HAND_OVER_S)
-    come_first()
+    set_niceness(NICENESS)
     cv2.setNumThreads(1)
     if ring is None:  # a fork has what its server has plugged in
         plug_in(find_features(without))

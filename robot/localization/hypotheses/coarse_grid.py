@@ -98,12 +98,6 @@ class CoarseGrid:
         )
 
 
-def costs_at(poses: Array, ends: Array, entries: EntryField, blur: float) -> Array:
-    """Return the costs (n,) of poses (n, 3), as ``CoarseGrid.score`` has them."""
-    table = entries.distances, entries.origin, entries.resolution
-    return np.array([_cost(pose, ends, *table, blur) for pose in poses])
-
-
 def _evenly(low: float, size: float, step: float) -> Array:
     count = max(1, math.ceil(size / step))
     half = step * (count - 1) / 2
@@ -128,13 +122,13 @@ def _refine_poses(
     args = ends, distances, origin, resolution, blur
     tried = np.empty(3)
     for pose in result:
-        least = _cost(pose, *args)
+        least = cost_at(pose, *args)
         for halving in range(1, HALVINGS + 1):
             centre = pose.copy()
             for neighbour in range(27):
                 for axis, way in enumerate((neighbour % 3, neighbour // 3 % 3, neighbour // 9)):
                     tried[axis] = centre[axis] + (way - 1) * steps[axis] / 2**halving
-                cost = _cost(tried, *args)
+                cost = cost_at(tried, *args)
                 if cost < least:
                     least = cost
                     pose[:] = tried
@@ -142,7 +136,7 @@ def _refine_poses(
 
 
 @compiled()
-def _cost(
+def cost_at(
     pose: Array,
     ends: Array,
     distances: NDArray[np.float32],

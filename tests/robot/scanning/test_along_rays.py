@@ -81,3 +81,38 @@ def test_what_was_exposed_late_is_moved_by_what_the_robot_drove() -> None:
     assert ranges[0] == pytest.approx(0.3 + 0.2 * late)
     unskew(ranges, slanted, edges, pixels, DIRECTIONS[:1], 0.0, 1e-4, 239.5, -0.2, 0.0)
     assert ranges[0] == pytest.approx(0.3)
+
+
+@pytest.mark.parametrize("omega", [2.0, -2.0])
+def test_where_an_edge_ends_the_ray_that_looks_past_it_by_then_does_not_count(
+    omega: float,
+) -> None:
+    """Two edges meet between the third and the fourth of six rays, which see the upper rows."""
+    bearings = np.radians(np.arange(6.0))
+    directions = np.column_stack([np.cos(bearings), np.sin(bearings)])
+    normals = np.array([[-1.0, 0.0]] * 3 + [[-0.6, -0.8]] * 3)
+    lines = np.column_stack([normals, [-0.4] * 3 + [-0.262] * 3])
+    seen = lines[:, 2] / np.einsum("ij,ij->i", normals, directions)
+    ranges = seen.copy()
+    pixels = np.zeros((6, 200, 2), dtype=np.float32)
+    edges = np.tile([100.0, 120.0], (6, 1))
+    unskew(ranges, lines, edges, pixels, directions, 0.0, 1e-4, 80.0, 0.0, omega)
+    # Rows above the middle are exposed earlier, and the robot has turned by 0.9 degrees since then.
+    past = 2 if omega > 0 else 3
+    assert np.flatnonzero(np.isinf(ranges)).tolist() == [past]
+    moved = seen - 1e-4 * 80.0 * omega * seen * np.einsum(
+        "ij,ij->i", normals, np.column_stack([-directions[:, 1], directions[:, 0]])
+    ) / np.einsum("ij,ij->i", normals, directions)
+    kept = np.isfinite(ranges)
+    np.testing.assert_allclose(ranges[kept], moved[kept], atol=1e-9)
+
+
+def test_a_robot_that_hardly_turns_keeps_the_last_rays_on_an_edge() -> None:
+    bearings = np.radians(np.arange(3.0))
+    directions = np.column_stack([np.cos(bearings), np.sin(bearings)])
+    ranges = np.array([np.inf, 0.4, np.inf])
+    lines = np.tile([-1.0, 0.0, -0.4 * directions[1, 0]], (3, 1))
+    edges = np.tile([100.0, 120.0], (3, 1))
+    pixels = np.zeros((3, 200, 2), dtype=np.float32)
+    unskew(ranges, lines, edges, pixels, directions, 0.0, 1e-4, 80.0, 0.0, 0.2)
+    assert np.isfinite(ranges).tolist() == [False, True, False]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tape_trials import SCANNER, SQUARE, STILL, VIEW, Trial, camera_of, trial
+from tape_trials import SCANNER, SQUARE, STILL, VIEW, Trial, camera_of, expected, trial
 
 from robot.camera import FloorView
 from robot.geometry import Pose2, Twist2
@@ -69,6 +69,25 @@ def test_the_twist_undoes_the_skew_of_the_rolling_shutter(twist: Twist2) -> None
     assert np.percentile(told, 95) < 0.8e-3
     assert np.percentile(silent, 80) > 4 * np.percentile(told, 80)
     assert np.percentile(wrong, 80) > 1.7 * np.percentile(silent, 80)
+
+
+@pytest.mark.parametrize("omega", [1.8, -1.8])
+def test_beside_a_corner_a_turning_robot_takes_no_edge_to_be_longer_than_it_is(
+    camera: FloorCamera, omega: float
+) -> None:
+    """Ranges were up to 19 mm too far, where the line of an edge went on behind the corner.
+
+    A robot that saw one side of a square only, and then its corner, was 17 mm off along that side.
+    """
+    worst = []
+    for theta in np.linspace(0.6, 1.1, 21):
+        robot = Pose2(0.34, -0.006, theta)
+        picture = camera.picture(robot, Twist2(0.0, omega))
+        scan = SCANNER.scan(Frame(0.0, picture), Twist2(0.0, omega)).scan
+        begins, _ = expected(SQUARE, robot, SCANNER)
+        assert scan.hit.sum() > 25
+        worst.append(np.abs(scan.ranges[scan.hit] - begins[scan.hit]).max())
+    assert max(worst) < 0.006
 
 
 def test_the_blur_of_driving_moves_no_edge(camera: FloorCamera) -> None:
