@@ -1654,6 +1654,8 @@ export interface TelemetryMessage {
   navigation?: NavigationMessage | null;
   /** When it was last said what the robot does not touch; ``/api/navigation/walls`` has it. */
   walls?: number | null;
+  /** Edges (k, 4) of tape that does not lie where it is drawn: there [m]; null if all does. */
+  misplaced_tape?: [number, number, number, number][] | null;
   /** Null if this is not a replay. */
   replay?: ReplayMessage | null;
   /** Further values, by name; absent without any. */

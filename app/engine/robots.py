@@ -60,15 +60,6 @@ def profile_file(config: Config) -> Path | None:
     return path if path and path.exists() else None
 
 
-def written_file(config: Config) -> Path | None:
-    """Return the file that a running robot's calibration is written to.
-
-    None if the robot is simulated: its calibration ends with the program.
-    """
-    own = own_file(config)
-    return own and (profile_file(config) or own)
-
-
 def own_file(config: Config) -> Path | None:
     """Return the file of a real robot's own profile; None if the robot is simulated."""
     kind = robot_kind(config)

@@ -290,6 +290,8 @@ class TelemetryMessage(Message):
     """Null before the first goal."""
     walls: float | None = None
     """When it was last said what the robot does not touch; ``/api/navigation/walls`` has it."""
+    misplaced_tape: list[tuple[float, float, float, float]] | None = None
+    """Edges (k, 4) of tape that does not lie where it is drawn: there [m]; null if all does."""
     replay: ReplayMessage | None = None
     """Null if this is not a replay."""
     values: Annotated[

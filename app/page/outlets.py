@@ -37,7 +37,9 @@ class Closable(Protocol):
         ...
 
 
-MEMBERS = frozenset({"recording", "calibration", "mapping", "navigation", "walls", "replay"})
+MEMBERS = frozenset(
+    {"recording", "calibration", "mapping", "navigation", "walls", "misplaced_tape", "replay"}
+)
 """Members of ``TelemetryMessage`` that outlets fill; what is new is a ``Value``."""
 T = TypeVar("T")
 C = TypeVar("C", bound=Closable)

@@ -7,6 +7,7 @@ import { drawHypotheses } from "./hypotheses.js";
 import { Paths } from "./paths.js";
 import { places } from "./places.js";
 import { drawJourney } from "../features/navigation/drawing.js";
+import { drawMisplaced } from "../features/misplaced_tape/drawing.js";
 import { drawEnds, drawMapping } from "../features/mapping/drawing.js";
 
 /** @typedef {import("../messages").FieldMessage} FieldMessage */
@@ -105,6 +106,7 @@ export class Scene {
     this.journey?.planning?.paintBelow(context);
     this.particles?.paintLandscape(context);
     this.#inMetres(context, () => {
+      if (telemetry.misplaced_tape) drawMisplaced(context, telemetry.misplaced_tape, pixel);
       drawing.drawScan(context, telemetry.scan, pixel);
       this.paths.draw(context, pixel);
       this.journey?.planning?.paint(context, pixel);

@@ -152,6 +152,39 @@ def test_doubts_stand_below_the_words_and_go_away(browser, server, width, height
     context.close()
 
 
+AMBER = """() => {
+    const canvas = document.getElementById("map-canvas");
+    const top = Math.round(0.7 * canvas.height);
+    const box = [0, top, canvas.width, canvas.height - top];
+    const { data } = canvas.getContext("2d").getImageData(...box);
+    const wanted = [0xa8, 0x62, 0x00];
+    let count = 0;
+    for (let i = 0; i < data.length; i += 4) {
+        if (wanted.every((value, part) => Math.abs(data[i + part] - value) < 12)) count++;
+    }
+    return count;
+}"""
+"""Counts the pixels of the map, below the robot, in the colour that marks misplaced tape."""
+
+
+def test_tape_that_is_not_where_it_is_drawn_is_marked_on_the_map(browser, server):
+    shown = {"misplaced_tape": None}
+    context = browser.new_context(viewport={"width": 1280, "height": 720})
+    page = context.new_page()
+    page.route_web_socket(
+        "**/api/live?*", lambda socket: change_telemetry(socket, lambda told: told.update(shown))
+    )
+    page.route("**/view/**", lambda route: route.fulfill(body=""))
+    page.goto(server.url)
+    page.wait_for_function("window.brickpose?.telemetry")
+    assert page.evaluate(AMBER) < 50
+    shown["misplaced_tape"] = [(-0.525, -0.525, 0.525, -0.525), (0.475, -0.475, -0.475, -0.475)]
+    page.wait_for_function(f"({AMBER})() > 300")
+    shown["misplaced_tape"] = None
+    page.wait_for_function(f"({AMBER})() < 50")
+    context.close()
+
+
 def test_what_is_claimed_is_drawn_where_it_is_large_enough_to_see(page):
     strokes = page.evaluate(
         """async () => {

@@ -16,11 +16,11 @@ from typing import Any, Literal
 
 from app.engine.profile_command import calibration_command
 from app.engine.program import Program
-from app.engine.robots import written_file
 from app.engine.snapshot import Snapshot
 from app.features.calibration.collected_drive import CollectedDrive
 from app.features.calibration.drive_follower import DriveFollower, FollowedTicks
 from app.features.calibration.followed_drive import result_of, ticks_of
+from app.features.calibration.written_file import written_file
 from app.languages.marking import phrase
 from app.messages.driving_commands import StopCommand
 from app.settings.profile_files import undo, write_calibration

@@ -8,4 +8,5 @@ FEATURE = Feature(
     compiled=(Late("app.features.misplaced_tape.compiled:COMPILED"),),
     models=(Late("app.features.misplaced_tape.watch:tape_watches"),),
     companions=(Late("app.features.misplaced_tape.watch:tape_companion"),),
+    outlet=Late("app.features.misplaced_tape.outlet:MisplacedTapeOutlet"),
 )

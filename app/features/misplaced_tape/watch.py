@@ -40,6 +40,10 @@ MOST_EDGES = 600
 """Drawings of more edges are not watched: it would take too long."""
 
 
+Outline = tuple[tuple[float, float, float, float], ...]
+"""Edges of a piece of tape: x and y of both ends of each [m]."""
+
+
 class _Known(NamedTuple):
     """A place that was certain."""
 
@@ -84,6 +88,15 @@ class TapeWatch(AddedModels):
         if finding is None or self._drawing is None:
             return ()
         return (_alert(finding, self._drawing),)
+
+    @property
+    def outline(self) -> Outline | None:
+        """Where the drawing has that tape; None if all is where it is drawn."""
+        finding = self.memory.finding
+        if finding is None or self._drawing is None:
+            return None
+        edges = self._edges[self._drawing.pieces[finding.piece].edges]
+        return tuple((x1, y1, x2, y2) for x1, y1, x2, y2 in edges.round(4).tolist())
 
     def cleared(self, scan: Scan, odometry: Pose2) -> Scan:
         """Return a scan with that tape hidden, and all behind it."""
@@ -187,9 +200,10 @@ class TapeCompanion:
     """Shows the watch what the filter made of each scan, and tells the filter a place."""
 
     needs_pictures = False
-    shown = None
 
     def __init__(self) -> None:
+        self.shown: Outline | None = None
+        """Where the drawing has tape that does not lie there."""
         self._map_from_odom = Pose2()
         """Where somebody has put the robot, and that was told."""
         self._newest: tuple[Scan, Pose2] | None = None
@@ -211,6 +225,7 @@ class TapeCompanion:
                 continue
             if controls.map_from_odom != self._map_from_odom:
                 models.forget()
+            self.shown = models.outline
             best = max(estimate.hypotheses, key=lambda each: each.weight, default=None)
             if best is not None:
                 pose = best.pose @ belief.moved(odometry)

@@ -12,10 +12,11 @@ from engine_runs import PERFECT, drive, run
 from app.engine.build import build_program
 from app.engine.plugging import plug_in, plugged
 from app.engine.robot_kind import RobotKind
-from app.engine.robots import own_file, profile_file, robot_spec, written_file
+from app.engine.robots import own_file, profile_file, robot_spec
 from app.engine.simulated_robots import build_kinematic
 from app.feature import Feature
 from app.feature_search import FeatureError
+from app.features.calibration.written_file import written_file
 from app.features.lab.calibrate.command import calibrate_drive
 from app.features.recordings.contents import contents_of
 from app.features.ros.export.export import export_ros2

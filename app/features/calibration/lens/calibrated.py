@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 
 from app.engine.program import Program
-from app.engine.robots import profile_file, written_file
+from app.engine.robots import profile_file
 from app.features.calibration.lens.messages import (
     LensMessage,
     LensParameterMessage,
@@ -18,6 +18,7 @@ from app.features.calibration.lens.messages import (
     LensRefusalMessage,
     Pixels,
 )
+from app.features.calibration.written_file import written_file
 from app.settings.profile_files import profile_before, with_lens, write_profile
 from robot.calibration.lens.board import Board
 from robot.calibration.lens.coverage import missing

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pickle
 import re
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ import pytest
 from app.features.lab.evaluation.drives import follow_drive
 from app.features.lab.evaluation.integrity.drives import lap_drive
 from app.features.lab.evaluation.integrity.mishaps import MISHAPS
+from app.features.misplaced_tape.outlet import MisplacedTapeOutlet
 from app.features.misplaced_tape.watch import TapeWatch, tape_watches
 from app.settings.config import MAPS, Config
 from robot.fields.field_loading import load_field
@@ -43,6 +45,7 @@ def test_a_side_that_lies_elsewhere_is_named_and_the_robot_is_right_again():
             r"the tape around x 0.00 m, y -0.50 m lies (9|10|11) cm beside its place .*",
             alerts[0],
         )
+        assert {y for _, y, _, _ in watch_of(localization).outline} == {-0.525, -0.475}
         if localization.belief is not None:
             error = localization.belief.pose(odometry).distance_to(drive.truth_at(tick.scan.stamp))
             errors.append(error)
@@ -57,7 +60,7 @@ def test_a_side_that_lies_elsewhere_is_named_and_the_robot_is_right_again():
 
 def test_nothing_is_said_before_the_place_was_certain():
     watch = TapeWatch(load_field("square", MAPS))
-    assert watch.alerts == ()
+    assert watch.alerts == () and watch.outline is None
     config = replace(Config(), map="square", seed=3)
     drive = lap_drive(config, 0.1).drive
     tick = next(each for each in drive.ticks if each.scan is not None)
@@ -71,3 +74,11 @@ def test_walls_of_a_laser_are_not_watched():
     field = load_field("square", MAPS)
     assert tape_watches(Config(), field)
     assert not tape_watches(Config(), replace(field, tape=()))
+
+
+def test_the_page_hears_where_it_is_drawn():
+    outlet, edges = MisplacedTapeOutlet(None), ((0.0, 0.0, 1.0, 0.0),)
+    assert outlet.telemetry(SimpleNamespace(added={"misplaced_tape": edges})) == {
+        "misplaced_tape": edges
+    }
+    assert outlet.telemetry(SimpleNamespace(added={})) == {"misplaced_tape": None}
