@@ -12,7 +12,7 @@ from robot.misplaced_tape.tape_drawing import PlaceFollower, TapeDrawing
 from robot.scan import Scan, rays_of
 
 EDGE = 0.03
-"""So far before the piece a ray sees nothing certain [m]."""
+"""So far before the piece a ray's sight ends [m]."""
 FADES = 0.97
 """Counts of rays fade by this with each scan."""
 LOST_SHARE, LEAST_RAYS = 0.3, 40
@@ -36,23 +36,22 @@ class WithoutPiece:
         self._fits = self._misses = self._in_place = self._through = 0.0
 
     def clear(self, scan: Scan, odometry: Pose2) -> Scan:
-        """Follow the robot by one more scan, and odometry at its stamp; hide the piece in it."""
+        """Follow the robot by one more scan, and odometry at its stamp; let it end there."""
         moved = self._odometry.inverse() @ odometry
         if not stands(moved):
             self._odometry = odometry
             self._step(moved, scan)
         every = rays_of(scan, len(scan.ranges))
         begin = self._drawing.hidden_from(self._follower, every) - EDGE
-        some = np.isfinite(begin)
-        if not some.any():
+        if not np.isfinite(begin).any():
             return scan
-        hidden = np.tile([np.inf, -np.inf], (len(begin), 1))
-        if scan.hidden is not None:
-            hidden = scan.hidden.copy()
-        hidden[some, 0] = np.minimum(hidden[some, 0], begin[some])
-        hidden[some, 1] = np.inf
-        ranges = np.where(scan.ranges >= hidden[:, 0], np.inf, scan.ranges)
-        return replace(scan, ranges=np.where(some, ranges, scan.ranges), hidden=hidden)
+        # No thing may begin there instead: where tape is drawn, it would be taken for that.
+        sight = np.tile([0.0, np.inf], (len(begin), 1))
+        if scan.sight is not None:
+            sight = scan.sight.copy()
+        sight[:, 1] = np.minimum(sight[:, 1], begin)
+        sight[sight[:, 0] >= sight[:, 1]] = np.nan
+        return replace(scan, ranges=np.where(scan.ranges < begin, scan.ranges, np.inf), sight=sight)
 
     @property
     def is_lost(self) -> bool:

@@ -9,11 +9,14 @@ import pytest
 from misplaced_pieces import laps, moved
 
 from app.settings.config import MAPS
+from robot import ray_columns as column
 from robot.fields.field_loading import load_field
 from robot.geometry import Pose2
+from robot.localization.ray_evidence import RayEvidence
 from robot.misplaced_tape.search import Misplaced
 from robot.misplaced_tape.tape_drawing import TapeDrawing
 from robot.misplaced_tape.without_piece import WithoutPiece
+from robot.scan import rays_of
 
 KNOWN = np.diag([1e-5, 1e-5, 1e-4])
 START = Pose2(0.0, -0.2)
@@ -38,15 +41,26 @@ def test_what_is_left_of_a_scan_fits_the_drawing(floor):
         place, _ = followed.place(odometry)
         assert place.distance_to(truth) < 0.01
         drawn = FIELD.ranges((truth @ scan.robot_from_scan).to_array()[None], scan.bearings, 0.6)[0]
-        hidden = np.zeros(len(drawn), bool)
-        if cleared.hidden is not None:
-            hidden = drawn > cleared.hidden[:, 0]
+        unseen = np.zeros(len(drawn), bool)
+        if cleared.sight is not None:
+            unseen = ~(drawn <= cleared.sight[:, 1])
         reach = np.where(cleared.hit, cleared.ranges, 9.0)
         surprising = cleared.hit & (np.abs(reach - np.where(np.isfinite(drawn), drawn, 5.0)) > 0.02)
-        missed = np.isfinite(drawn) & ~cleared.hit & ~hidden
+        missed = np.isfinite(drawn) & ~cleared.hit & ~unseen
         assert surprising.sum() + missed.sum() <= 3
     assert not followed.is_lost
     assert not followed.fits_again
+
+
+def test_rays_to_a_piece_that_is_gone_are_no_reason_to_doubt_the_place():
+    """As if a thing hid it, each of them counted as one that had missed tape: a robot was lost."""
+    followed, evidence, cut = without(), RayEvidence.of(FIELD, 1.0, 0.002), 0
+    for scan, odometry, truth in laps(GONE, 15.0, START):
+        rays = rays_of(followed.clear(scan, odometry), 91)
+        fits = evidence.log_likelihood(truth, rays)
+        cut += np.isfinite(rays[:, column.FAR]).any()
+        assert fits >= evidence.background_log_likelihood(rays) - 0.02
+    assert cut > 20
 
 
 def test_what_is_remembered_does_not_grow_with_the_drive():
