@@ -32,10 +32,6 @@ KNOWN_SDS = (0.005, 0.005, 0.01)
 AWAY_M, AWAY_S = 0.04, 0.5
 """The filter is told the place if it knows none, or one that is farther away than this [m], for so
 long [s]."""
-TURNED = 0.05
-"""Where little tape is in sight, wheels that slip may turn the place that is followed by more than
-scans can put right: if a certain one of the filter's differs by this [rad], it is followed from
-there."""
 TOLD_S = 3.0
 """It is told at most once in so many seconds."""
 SURE_M = 0.03
@@ -126,9 +122,8 @@ class TapeWatch(AddedModels):
             wider = covariance + np.diag(np.square(KNOWN_SDS))
             memory.known, memory.certain_at = _Known(pose, wider, odometry), scan.stamp
             memory.search = None
-            without, finding = memory.without, memory.finding
-            if finding is not None and (without is None or _has_turned(without, pose, odometry)):
-                self._follow_without(finding, pose, wider, odometry)
+            if memory.finding is not None and memory.without is None:
+                self._follow_without(memory.finding, pose, wider, odometry)
             return
         if memory.finding is not None or memory.known is None or state in BOUNDED:
             return
@@ -249,12 +244,6 @@ class TapeCompanion:
 def tape_companion(config: Config, robot: Robot, field: Field) -> Iterable[TapeCompanion]:
     """Return what goes along with an engine."""
     return (TapeCompanion(),)
-
-
-def _has_turned(without: WithoutPiece, pose: Pose2, odometry: Pose2) -> bool:
-    """Return whether the filter is certain of nearly the same place with another heading."""
-    place, _ = without.place(odometry)
-    return place.distance_to(pose) < AWAY_M and abs(place.turn_to(pose)) > TURNED
 
 
 def _alert(finding: Misplaced, drawing: TapeDrawing) -> Alert:
