@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from pkgutil import resolve_name
 from typing import Protocol
 
 import numpy as np
@@ -19,7 +20,6 @@ from robot.localization.models.odometry_motion import (
     OmniMotion,
     StationaryMotion,
 )
-from robot.localization.models.velocity_motion import VelocityMotion
 from robot.settings import check_settings, setting
 
 __all__ = [
@@ -28,11 +28,11 @@ __all__ = [
     "MotionModel",
     "OmniMotion",
     "StationaryMotion",
-    "VelocityMotion",
     "sampled_moments",
 ]
 Sample = Callable[[Array, Pose2, np.random.Generator], Array]
 _ALPHAS = ("alpha1", "alpha2", "alpha3", "alpha4")
+_VELOCITY_ALPHAS = tuple(f"velocity_alpha{number}" for number in range(1, 7))
 
 
 class MotionModel(Protocol):
@@ -102,13 +102,13 @@ def loosened(model: MotionModel, factor: float) -> MotionModel:
     return model if factor == 1.0 else LoosenedMotion(model, factor)
 
 
-MODELS: dict[str, tuple[Callable[..., MotionModel], tuple[str, ...]]] = {
-    "differential": (DifferentialMotion, _ALPHAS),
-    "omni": (OmniMotion, (*_ALPHAS, "alpha5")),
-    "velocity": (VelocityMotion, tuple(f"velocity_alpha{number}" for number in range(1, 7))),
-    "stationary": (StationaryMotion, ("stationary_sd_xy", "stationary_sd_theta")),
+MODELS = {
+    "differential": ("odometry_motion:DifferentialMotion", _ALPHAS),
+    "omni": ("odometry_motion:OmniMotion", (*_ALPHAS, "alpha5")),
+    "velocity": ("velocity_motion:VelocityMotion", _VELOCITY_ALPHAS),
+    "stationary": ("odometry_motion:StationaryMotion", ("stationary_sd_xy", "stationary_sd_theta")),
 }
-"""Class of each model, and the settings that it is made with, in the order of its fields."""
+"""Class of each model, imported at its first use, and the settings for its fields, in order."""
 MOTION_MODELS = tuple(MODELS)
 
 
@@ -166,8 +166,10 @@ class MotionParameters:
 
     def model(self) -> MotionModel:
         """Return the chosen model with these parameters."""
-        model, settings = MODELS[self.robot_model_type]
-        return model(*(getattr(self, name) for name in settings))
+        place, settings = MODELS[self.robot_model_type]
+        model = resolve_name(f"{__package__}.{place}")
+        made: MotionModel = model(*(getattr(self, name) for name in settings))
+        return made
 
 
 def follow(pose: Pose2, covariance: Array, moved: Pose2, noise: Array) -> tuple[Pose2, Array]:

@@ -18,9 +18,9 @@ from robot.localization.models.motion_models import (
     MotionParameters,
     OmniMotion,
     StationaryMotion,
-    VelocityMotion,
     sampled_moments,
 )
+from robot.localization.models.velocity_motion import VelocityMotion
 
 EXACT = DifferentialMotion(0, 0, 0, 0)
 MANY = 100_000

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from robot.geometry import Array, Pose2, Twist2, wrap_angle
-from robot.localization.models.motion_models import OmniMotion, VelocityMotion
+from robot.localization.models.motion_models import OmniMotion
+from robot.localization.models.velocity_motion import VelocityMotion
 
 MANY = 100_000
 
