@@ -46,14 +46,18 @@ class Scan:
         A return nearer than ``low`` gives no information: its ray sees nothing. A return farther
         than ``high`` becomes no return.
         """
-        near, far = self.ranges < low, self.hit & (self.ranges > high)
-        if not (near | far).any():
+        far = self.hit & (self.ranges > high)
+        kept = self.until(np.where(self.ranges < low, 0.0, np.inf))
+        return replace(kept, ranges=np.where(far, np.inf, kept.ranges)) if far.any() else kept
+
+    def until(self, ends: Array) -> Scan:
+        """Return the same scan, in which rays see nothing from these distances (k,) on [m]."""
+        if np.isinf(ends).all():
             return self
-        sight = self.sight
-        if near.any():
-            sight = np.tile([0.0, np.inf], (len(near), 1)) if sight is None else sight.copy()
-            sight[near] = np.nan
-        return replace(self, ranges=np.where(near | far, np.inf, self.ranges), sight=sight)
+        sight = np.tile([0.0, np.inf], (len(ends), 1)) if self.sight is None else self.sight.copy()
+        sight[:, 1] = np.minimum(sight[:, 1], ends)
+        sight[sight[:, 0] >= sight[:, 1]] = np.nan
+        return replace(self, ranges=np.where(self.ranges < ends, self.ranges, np.inf), sight=sight)
 
     def only(self, rays: NDArray[np.intp]) -> Scan:
         """Return the same scan with some of its rays, by their indices."""

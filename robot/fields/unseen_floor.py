@@ -83,13 +83,20 @@ def seen_until(x: float, y: float, dx: float, dy: float, reach: float, floor: Un
         reach: how far it is followed [m].
         floor: the floor.
     """
-    rows, columns = floor.seen.shape
-    if rows == 0:
+    if floor.seen.size == 0:
         return math.inf
     for step in range(math.ceil(reach / floor.side) + 1):
         far = min(step * floor.side, reach)
-        column = math.floor((x + far * dx - floor.left) / floor.side)
-        row = math.floor((y + far * dy - floor.bottom) / floor.side)
-        if not (0 <= row < rows and 0 <= column < columns and floor.seen[row, column]):
+        if not is_seen(x + far * dx, y + far * dy, floor):
             return far
     return math.inf
+
+
+@compiled(inline="always")
+def is_seen(x: float, y: float, floor: UnseenFloor) -> bool:
+    """Return whether a point of the map [m] was looked at, if not all of the floor was."""
+    column = math.floor((x - floor.left) / floor.side)
+    row = math.floor((y - floor.bottom) / floor.side)
+    rows, columns = floor.seen.shape
+    within = 0 <= row < rows and 0 <= column < columns
+    return within and bool(floor.seen[row, column])

@@ -184,9 +184,10 @@ class Localizer:
             return None
         if self._was_certain and not self._still_fits:
             self._search_anew()
+        known = self._on_seen_floor(moved, self.seen)
         self.advance(odometry)
-        self.filter.correct(self.seen)
-        return self.conclude(odometry, self.seen)
+        self.filter.correct(known)
+        return self.conclude(odometry, known)
 
     def advance(self, odometry: Pose2) -> Pose2:
         """Move the belief by all of the odometry since it was last moved; return the step."""
@@ -203,6 +204,14 @@ class Localizer:
         """Return a scan as the filter takes it: ranges that are trusted, the camera's tilt off."""
         seen = scan.within(*self.reach)
         return seen if self.monitor is None else self.monitor.corrected(seen)
+
+    def _on_seen_floor(self, moved: Pose2, seen: Scan) -> Scan:
+        """Return a scan without what a place that nothing denies says nothing of, after a step."""
+        if self.monitor is None or not self._concluded:
+            return seen
+        place = self._concluded[0].pose
+        undoubted = self._standing(place) in (Standing.CONFIRMED, Standing.GIVEN)
+        return self.monitor.on_seen_floor(seen, place @ moved) if undoubted else seen
 
     def conclude(self, odometry: Pose2, seen: Scan) -> Estimate | None:
         """Return the estimate after a scan was weighed, refined and checked; and claim it."""

@@ -21,7 +21,7 @@ from robot.compiling import compiled
 from robot.fields.edge_index import EdgeIndex
 from robot.fields.field import Field
 from robot.fields.ray_casting import cast_toward
-from robot.fields.unseen_floor import UnseenFloor, seen_until
+from robot.fields.unseen_floor import UnseenFloor, is_seen, seen_until
 from robot.fields.visibility import Visibility
 from robot.geometry import Array, Pose2
 from robot.scanning.tape_edges import GAP
@@ -145,6 +145,43 @@ def ray_log_likelihoods(poses: Array, rays: Array, evidence: RayEvidence, within
 
 
 @compiled()
+def ends_of_seen(pose: Array, rays: Array, evidence: RayEvidence) -> Array:
+    """Return where rays (n, 9) that return from unseen floor at a pose (3,) come to it (n,) [m].
+
+    It is infinite for the others: also for those that return from an edge that is drawn behind it.
+    """
+    ends, floor = np.full(len(rays), np.inf), evidence.unseen
+    if floor.seen.size == 0:
+        return ends
+    c, s = math.cos(pose[2]), math.sin(pose[2])
+    for i in range(len(rays)):
+        near, at = rays[i, column.NEAR], rays[i, column.RANGE] - rays[i, column.NEAR]
+        if not math.isfinite(at):
+            continue
+        heading = pose[2] + rays[i, column.DIRECTION]
+        dx, dy = math.cos(heading), math.sin(heading)
+        x = pose[0] + c * rays[i, column.X] - s * rays[i, column.Y] + near * dx
+        y = pose[1] + s * rays[i, column.X] + c * rays[i, column.Y] + near * dy
+        reach = min(rays[i, column.FAR], evidence.range_max) - near
+        known = seen_until(x, y, dx, dy, reach, floor)
+        if at > known - AT_BORDER or _is_at_border(x + at * dx, y + at * dy, floor):
+            due = cast_toward(x, y, dx, dy, evidence.edge_index, reach)[0]
+            # The end of tape that nobody saw is none: the drawing ends there, and the tape goes on.
+            before = due - NEAR
+            seen = math.isfinite(due) and is_seen(x + before * dx, y + before * dy, floor)
+            if not seen or (due > min(known, at) and abs(at - due) > NEAR):
+                ends[i] = near + min(known, at) - AT_BORDER
+    return ends
+
+
+@compiled(inline="always")
+def _is_at_border(x: float, y: float, floor: UnseenFloor) -> bool:
+    """Return whether floor that nobody looked at is near a point of the map [m]."""
+    beside = is_seen(x - AT_BORDER, y, floor) and is_seen(x + AT_BORDER, y, floor)
+    return not (beside and is_seen(x, y - AT_BORDER, floor) and is_seen(x, y + AT_BORDER, floor))
+
+
+@compiled()
 def _log_likelihood(
     pose: Array, rays: Array, evidence: RayEvidence, peaks: Array, least: float
 ) -> float:
@@ -154,6 +191,7 @@ def _log_likelihood(
     """
     index, sight, range_max = evidence.edge_index, evidence.sight, evidence.range_max
     met, reachable = np.zeros((len(rays), 5)), peaks.sum()
+    ends = ends_of_seen(pose, rays, evidence)
     c, s = math.cos(pose[2]), math.sin(pose[2])
     for i in range(len(rays)):
         near = rays[i, column.NEAR]
@@ -165,10 +203,12 @@ def _log_likelihood(
         y = pose[1] + s * rays[i, column.X] + c * rays[i, column.Y] + near * dy
         reach = min(rays[i, column.FAR], range_max) - near
         thing = rays[i, column.HIDDEN_FROM] - near, rays[i, column.HIDDEN_TO] - near
-        known = seen_until(x, y, dx, dy, reach, evidence.unseen)
+        # What returns tells what lies between: nothing.
+        returned = math.isfinite(rays[i, column.RANGE])
+        known = np.inf if returned else seen_until(x, y, dx, dy, reach, evidence.unseen)
         due, behind = _look((x, y), (dx, dy), reach, known, thing, index, sight, met, i)
-        if math.isfinite(rays[i, column.RANGE]):
-            if math.isinf(due) and rays[i, column.RANGE] - near > known - AT_BORDER:
+        if returned:
+            if math.isfinite(ends[i]):
                 met[i, _HIT] = peaks[i] - BACKGROUND_LOSS
             else:
                 met[i, _HIT] = _log_hit(rays, i, due, behind, rays[i, column.CLEAR], evidence)

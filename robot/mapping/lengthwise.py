@@ -44,8 +44,8 @@ class Lengthwise:
 
     strokes: tuple[Stroke, ...]
     """Tape: from its end, or where its sides were seen first, to where they were seen last."""
-    others: Array
-    """(n, 2) about where something else lies [m]."""
+    others: tuple[Array, ...]
+    """Where rays met each other thing, (n, 2) [m]."""
 
 
 def find_lengthwise(strokes: tuple[Stroke, ...], width: float, rays: RaysOnFloor) -> Lengthwise:
@@ -64,10 +64,10 @@ def find_lengthwise(strokes: tuple[Stroke, ...], width: float, rays: RaysOnFloor
     for thing in _things(points, picture):
         stroke = _fit(points[thing], front[thing], width)
         if stroke is None or not is_tape(stroke, width, rays):
-            others.append(points[thing].mean(axis=0))
+            others.append(points[thing])
         else:
             tape.append(stroke)
-    return Lengthwise(tuple(tape), np.array(others).reshape(-1, 2))
+    return Lengthwise(tuple(tape), tuple(others))
 
 
 def _is_beyond(

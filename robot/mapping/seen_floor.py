@@ -25,6 +25,13 @@ ROUGH = 0.7
 """How far an outline may run beside its cells' middles, in cells. Half and twice: a robot in a map
 of *tee* that has gaps is as well localized."""
 
+GOES_ON = 0.12
+"""Where tape was seen that could not be drawn, it may go on this far [m]. Half: in a map of
+*square* without a corner (seed 9103, 6 s; a drive of seed 9601 that begins known) a robot is
+certain in 32 instead of 82 % of the pictures, and lost in half of them; twice: in 78 %."""
+NOWHERE = np.empty((0, 2))
+"""No point."""
+
 
 @dataclass(frozen=True, eq=False)
 class SeenFloor:
@@ -50,8 +57,11 @@ class SeenFloor:
                 fill(seen, [origin.inverse().apply(polygon) / side])
         return seen > 0
 
-    def outlines(self) -> tuple[Array, ...]:
-        """Return the outlines (n, 2) of all seen floor [m]; one within another is of a hole."""
+    def outlines(self, open_ends: Array = NOWHERE) -> tuple[Array, ...]:
+        """Return the outlines (n, 2) of all seen floor [m]; one within another is of a hole.
+
+        Around ``open_ends`` (n, 2) [m], tape may go on that is not drawn.
+        """
         points = np.vstack(self.polygons)
         low, size = points.min(axis=0) - 2 * SIDE, np.ptp(points, axis=0) + 4 * SIDE
         side = cell_side(size)
@@ -59,6 +69,8 @@ class SeenFloor:
         cells = self.cells(Pose2(*low.tolist()), side, (rows, columns)).astype(np.uint8)
         # Rays end at tape, and leave it open.
         closed = cv2.morphologyEx(cells, cv2.MORPH_CLOSE, np.ones((5, 5), np.uint8))
+        for x, y in np.floor((open_ends - low) / side).astype(int).tolist():
+            cv2.circle(closed, (x, y), math.ceil(GOES_ON / side), 0, cv2.FILLED)
         contours, _ = cv2.findContours(closed, cv2.RETR_CCOMP, cv2.CHAIN_APPROX_NONE)
         simple = [cv2.approxPolyDP(contour, ROUGH, True)[:, 0] for contour in contours]
         return tuple(low + (each + 0.5) * side for each in simple if len(each) > 2)

@@ -44,8 +44,8 @@ class TapeMap:
 
     tidy: TidyStrokes
     """The tape."""
-    others: Array
-    """(n, 2) rough places of dark things that are not tape [m]."""
+    others: tuple[Array, ...]
+    """Where rays met each dark thing that is not drawn, (n, 2) [m]."""
     measured: Strokes
     """The measurements of the tape, as adjusted."""
     solution: Solution = field(repr=False)
@@ -170,9 +170,10 @@ class TapeMap:
                 "the tape looks the same when the robot is moved along it, so the path may be "
                 "wrong by such a motion: lay a mark beside it, such as a stub"
             )
-        if len(self.others):
+        if self.others:
+            places = np.array([thing.mean(axis=0) for thing in self.others])
             remarks.append(
-                f"the map is incomplete: something{near(self.others)} is not in it, a "
+                f"the map is incomplete: something{near(places)} is not in it, a "
                 "shadow, or tape that was seen from its end only; drive past it"
             )
         return tuple(remarks)
@@ -204,7 +205,7 @@ class TapeMap:
 
     def drawing(self, title: str) -> str:
         """Return the map as an SVG, for ``load_field``."""
-        seen = self.seen.outlines()
+        seen = self.seen.outlines(np.vstack([self.unseen_ends, *self.others]))
         words, fit = (*self.facts, *self.remarks), json.dumps(self.quality.table())
         path = self.solution.state.poses
         return drawing(self.tidy, self.measured.width, path, title, seen, words, fit)

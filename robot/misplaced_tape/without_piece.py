@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from robot.geometry import Pose2
@@ -46,12 +44,7 @@ class WithoutPiece:
         if not np.isfinite(begin).any():
             return scan
         # No thing may begin there instead: where tape is drawn, it would be taken for that.
-        sight = np.tile([0.0, np.inf], (len(begin), 1))
-        if scan.sight is not None:
-            sight = scan.sight.copy()
-        sight[:, 1] = np.minimum(sight[:, 1], begin)
-        sight[sight[:, 0] >= sight[:, 1]] = np.nan
-        return replace(scan, ranges=np.where(scan.ranges < begin, scan.ranges, np.inf), sight=sight)
+        return scan.until(begin)
 
     @property
     def is_lost(self) -> bool:

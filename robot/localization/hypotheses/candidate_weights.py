@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 from robot.geometry import Array, Pose2, turned_covariance
 from robot.localization.hypotheses.place_search import PlaceSearch
+from robot.localization.hypotheses.rescoring import Rescored
 from robot.localization.hypotheses.start_poses import Prior, log_prior
 from robot.localization.hypotheses.track import Track
 from robot.localization.parameters import HypothesisParameters
@@ -46,7 +47,7 @@ class FoundPlace:
     log_weight: float
     """Relative to the heaviest track."""
     log_evidence: float
-    """The same by the scans of the short map alone, without a prior."""
+    """The same by the short map's scans alone; at most, if all fits that unseen floor returned."""
 
 
 def weigh_places(
@@ -73,23 +74,24 @@ def weigh_places(
     worth = p.scan_worth * search.scans / search.scans_replayed
     places = []
     for candidate in candidates:
-        evidence = log_weight + worth * float((candidate.fits - reference).sum())
+        evidence = log_weight + worth * float((candidate.fits - reference.fits).sum())
+        possible = evidence + worth * float((candidate.unseen - reference.unseen).sum())
         pose, weight = candidate.pose @ search.since, evidence
         if tracks and not whole:
             prior = log_prior(priors, pose, p.log_kidnapped)
             # One place elsewhere cannot be likelier than all places elsewhere together.
             weight = min(weight + prior, max(log_elsewhere, prior))
-        places.append(FoundPlace(pose, candidate.covariance, weight, evidence))
+        places.append(FoundPlace(pose, candidate.covariance, weight, possible))
     return places
 
 
-def _reference(search: PlaceSearch, tracks: Sequence[Track]) -> tuple[Array, float]:
-    """Return the fits and the log-weight of the heaviest replayed track, or of the best place."""
+def _reference(search: PlaceSearch, tracks: Sequence[Track]) -> tuple[Rescored, float]:
+    """Return the heaviest replayed track and its log-weight, or the best place."""
     for track in tracks:
         candidate = search.rescored_at(track.pose)
         if candidate is not None:
-            return candidate.fits, track.log_weight
-    return search.best_rescored.fits, 0.0
+            return candidate, track.log_weight
+    return search.best_rescored, 0.0
 
 
 def equal_tracks(
@@ -107,7 +109,8 @@ def equal_tracks(
         candidate = search.rescored_at(track.pose)
         if candidate is None or leader is None or candidate is leader:
             return track.fits_like_best
-        return worth * float((candidate.fits - leader.fits).sum()) > EQUAL
+        gain = candidate.fits + candidate.unseen - (leader.fits + leader.unseen)
+        return worth * float(gain.sum()) > EQUAL
 
     return [track.pose for track in tracks[1:] if is_equal(track)]
 

@@ -12,9 +12,15 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from robot import ray_columns as column
 from robot.compiling import compiled
 from robot.geometry import Array, Pose2
-from robot.localization.ray_evidence import RayEvidence, ray_log_likelihoods
+from robot.localization.ray_evidence import (
+    BACKGROUND_LOSS,
+    RayEvidence,
+    ends_of_seen,
+    ray_log_likelihoods,
+)
 from robot.localization.scan_matching import ScanMatcher, fit_rays
 
 START_INFORMATION = np.diag(1 / np.square([0.02, 0.02, 0.08]))
@@ -43,17 +49,19 @@ class Rescored:
     """(3, 3) [m, m, rad]"""
     fits: Array = field(repr=False)
     """(m,) mean log-likelihood of the rays of each scan."""
+    unseen: Array = field(repr=False)
+    """(m,) how much larger it would be, if what unseen floor returned there fitted exactly."""
 
 
 def rescore(
     start: Pose2, past: ScanHistory, matcher: ScanMatcher, evidence: RayEvidence
 ) -> Rescored:
     """Replay the scans of ``past`` for a hypothesis that has pose ``start`` at the newest one."""
-    pose, information, fits = _rescore(
+    pose, information, fits, unseen = _rescore(
         start.to_array(), past.moves, past.noise, past.rays, matcher, evidence
     )
     covariance: Array = np.linalg.inv(information).astype(np.float64)
-    return Rescored(Pose2(*pose.tolist()), covariance, fits)
+    return Rescored(Pose2(*pose.tolist()), covariance, fits, unseen)
 
 
 @compiled()
@@ -64,9 +72,9 @@ def _rescore(
     rays: Array,
     matcher: ScanMatcher,
     evidence: RayEvidence,
-) -> tuple[Array, Array, Array]:
-    """Return pose (3,) and information (3, 3) at the newest scan, and how each scan fits (m,)."""
-    fits = np.empty(len(moves))
+) -> tuple[Array, Array, Array, Array]:
+    """Return pose (3,) and information (3, 3) at the newest scan, fits (m,), and ``unseen``."""
+    fits, unseen = np.empty(len(moves)), np.zeros(len(moves))
     newest, known, _ = fit_rays(start, START_INFORMATION, rays[0], matcher)
     pose, information = newest, known
     for k in range(len(moves)):
@@ -74,7 +82,10 @@ def _rescore(
             pose, information = _moved(pose, information, moves[k], noise[k])
             pose, information, _ = fit_rays(pose, information, rays[k], matcher)
         fits[k] = ray_log_likelihoods(pose.reshape(1, 3), rays[k], evidence, 0.0)[0]
-    return newest, known, fits
+        counted = max((~np.isnan(rays[k, :, column.NEAR])).sum(), 1)
+        ends = ends_of_seen(pose, rays[k], evidence)
+        unseen[k] = BACKGROUND_LOSS * np.isfinite(ends).sum() / counted
+    return newest, known, fits, unseen
 
 
 @compiled()

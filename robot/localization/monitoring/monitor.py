@@ -24,7 +24,7 @@ from robot.localization.monitoring.odometry_check import OdometryCheck, Odometry
 from robot.localization.monitoring.scan_residuals import GATE, residual_sums
 from robot.localization.monitoring.slip_check import SLIPS, SPREADS, SlipCheck
 from robot.localization.monitoring.steady_errors import SteadyErrors, pose_errors
-from robot.localization.ray_evidence import RayEvidence
+from robot.localization.ray_evidence import RayEvidence, ends_of_seen
 from robot.localization.scan_matching import SLOPE, ScanMatcher
 from robot.scan import Scan, rays_of
 
@@ -191,6 +191,11 @@ class Monitor:
         bearings[hit], ranges[hit] = heading_angles(local), np.hypot(local[:, 0], local[:, 1])
         return replace(scan, bearings=bearings, ranges=ranges)
 
+    def on_seen_floor(self, scan: Scan, pose: Pose2) -> Scan:
+        """Return a scan without what unseen floor returned, which may fit elsewhere by chance."""
+        rays = rays_of(scan, len(scan.ranges))
+        return scan.until(ends_of_seen(pose.to_array(), rays, self._evidence))
+
     def observe(self, hypothesis: Hypothesis, scan: Scan, odometry: Pose2, spread: float) -> None:
         """Check the heaviest hypothesis after a scan.
 
@@ -204,21 +209,9 @@ class Monitor:
         self._stamp = scan.stamp
         rays = rays_of(scan, BEAMS)
         expected = self._expected(odometry)
-        far = expected is not None and _is_far(expected, hypothesis.pose)
-        self.contradicted = self._contradicts(expected, hypothesis)
-        leapt = far or self.contradicted
-        if leapt:
-            self._odometry.restart()
-            self._odometry.doubt_lateness()
-            self._slip.restart()
-            self._causes.forget()
         # On bent tape, the residuals of a pose that is centimetres off would look like a tilt.
         pitch, roll = self._camera.applied.tolist()
         laid = self._matcher.match(hypothesis.pose, rays, HELD)
-        if self._last is not None and expected is not None and not leapt:
-            moved, offset = self._last[1].inverse() @ odometry, expected.inverse() @ hypothesis.pose
-            seen = laid.information - HELD
-            self._slip.observe(hypothesis.pose, moved, offset, seen, elapsed)
         sums, used, returned = residual_sums(
             laid.pose.to_array(),
             rays,
@@ -230,6 +223,19 @@ class Monitor:
             roll,
             self._camera.exactness,
         )
+        far = expected is not None and _is_far(expected, hypothesis.pose)
+        # A pose sways by which hardly any edges are seen.
+        self.contradicted = used > 2 * SEEING and self._contradicts(expected, hypothesis)
+        leapt = far or self.contradicted
+        if leapt:
+            self._odometry.restart()
+            self._odometry.doubt_lateness()
+            self._slip.restart()
+            self._causes.forget()
+        if self._last is not None and expected is not None and not leapt:
+            moved, offset = self._last[1].inverse() @ odometry, expected.inverse() @ hypothesis.pose
+            seen = laid.information - HELD
+            self._slip.observe(hypothesis.pose, moved, offset, seen, elapsed)
         self._fit.observe(self._evidence, rays, hypothesis.pose, expected)
         self._last = hypothesis, odometry
         # At a wrong place, nothing can be learnt about the robot's errors.

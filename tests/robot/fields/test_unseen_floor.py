@@ -15,12 +15,15 @@ from robot.fields.field_loading import load_field
 from robot.fields.svg_field import field_of_drawing
 from robot.fields.unseen_floor import REACH, SIDE, UnseenFloor, seen_until
 from robot.geometry import Pose2
-from robot.localization.ray_evidence import RayEvidence
+from robot.localization.ray_evidence import AT_BORDER, RayEvidence, ends_of_seen
+from robot.mapping.seen_floor import GOES_ON, SeenFloor
 from robot.scan import Scan, rays_of
 
 SQUARE = np.array([[0, 0], [1, 0], [1, 1], [0, 1.0]])
 HOLE = np.array([[0.4, 0.4], [0.6, 0.4], [0.6, 0.6], [0.4, 0.6]])
 TAPE = 'stroke="#222" stroke-width="50" fill="none"'
+LEFT = np.array([[-0.7, -0.7], [0.2, -0.7], [0.2, 0.7], [-0.7, 0.7]])
+MIDDLE = Pose2(0.1, 0.0, 0.0)
 MARGIN = (REACH + 2.5) * SIDE
 """Between what counts as seen and the outlines."""
 
@@ -89,22 +92,78 @@ def test_a_long_narrow_floor_takes_no_more_memory_than_a_wide_one():
     assert math.isinf(seen_until(1.0, 0.05, 1.0, 0.0, 500.0, floor))
 
 
-def test_tape_on_unseen_floor_is_neither_due_nor_forbidden():
-    """At the true pose, a scan of tape that was never drawn is worth as much as a bad place."""
+def half_seen(*seen):
+    """*square* as it is, and without its right side, of which these outlines were looked at."""
     whole = load_field("square", MAPS)
     kept = whole.edges[(whole.edges[:, [0, 2]] < 0.2).all(axis=1)]
-    part = replace(whole, edges=np.ascontiguousarray(kept), seen=())
-    left = np.array([[-0.7, -0.7], [0.2, -0.7], [0.2, 0.7], [-0.7, 0.7]])
-    told = replace(part, seen=(left,))
-    pose = Pose2(0.1, 0.0, 0.0)
+    return whole, replace(whole, edges=np.ascontiguousarray(kept), seen=seen)
+
+
+def scan_of(field):
+    """What a robot in the middle sees of the right side of a field."""
     bearings = np.radians(np.linspace(-25, 25, 31))
-    ranges = whole.ranges(pose.to_array()[None], bearings, 1.0)[0]
+    ranges = field.ranges(MIDDLE.to_array()[None], bearings, 1.0)[0]
     assert np.isfinite(ranges).all()
-    rays = rays_of(Scan(0.0, bearings, ranges), 31)
+    return Scan(0.0, bearings, ranges)
+
+
+def test_tape_on_unseen_floor_is_neither_due_nor_forbidden():
+    """At the true pose, a scan of tape that was never drawn is worth as much as a bad place."""
+    whole, part = half_seen()
+    _, told = half_seen(LEFT)
+    rays = rays_of(scan_of(whole), 31)
     of_whole, of_part, of_told = (
-        RayEvidence.of(field, 1.0, 0.005).log_likelihood(pose, rays)
+        RayEvidence.of(field, 1.0, 0.005).log_likelihood(MIDDLE, rays)
         for field in (whole, part, told)
     )
     assert of_part < of_whole - 5
     badly = RayEvidence.of(told, 1.0, 0.005).background_log_likelihood(rays)
     assert of_told == pytest.approx(badly)
+
+
+def ends(field, scan):
+    return ends_of_seen(MIDDLE.to_array(), rays_of(scan, 31), RayEvidence.of(field, 1.0, 0.005))
+
+
+def test_a_ray_that_returns_from_unseen_floor_ends_where_that_begins():
+    whole, told = half_seen(LEFT)
+    scan = scan_of(whole)
+    border = (LEFT[:, 0].max() - MIDDLE.x) / np.cos(scan.bearings)
+    np.testing.assert_allclose(ends(told, scan), border - AT_BORDER, atol=MARGIN + SIDE)
+    assert not scan.until(ends(told, scan)).hit.any()
+    assert np.isinf(ends(half_seen()[1], scan)).all(), "all of the floor is known"
+
+
+def test_an_edge_that_was_seen_behind_unseen_floor_counts():
+    whole, _ = half_seen()
+    behind = np.array([[0.35, -0.7], [0.7, -0.7], [0.7, 0.7], [0.35, 0.7]])
+    told = replace(whole, seen=(LEFT, behind))
+    scan = scan_of(whole)
+    assert np.isinf(ends(told, scan)).all()
+    evidence = RayEvidence.of(told, 1.0, 0.005)
+    of_whole = RayEvidence.of(whole, 1.0, 0.005).log_likelihood(MIDDLE, rays_of(scan, 31))
+    assert evidence.log_likelihood(MIDDLE, rays_of(scan, 31)) == pytest.approx(of_whole)
+    # Nobody saw these edges: there the drawing ends, and the tape goes on.
+    assert np.isfinite(ends(replace(whole, seen=(LEFT,)), scan)).all()
+
+
+def test_tape_along_the_border_of_seen_floor_may_be_unseen():
+    """Rays along a border leave the seen floor late, but tape beside them was not looked at."""
+    floor = np.array([[0.2, -0.3], [0.7, -0.3], [0.7, 0.3], [0.2, 0.3]])
+    evidence = RayEvidence.of(half_seen(floor)[1], 1.0, 0.005)
+    rays = rays_of(Scan(0.0, np.zeros(1), np.array([0.2])), 1)
+    along, inside = (ends_of_seen(np.array([0.25, y, 0.0]), rays, evidence)[0] for y in (0.3, 0.0))
+    assert along == pytest.approx(0.2 - AT_BORDER)
+    assert math.isinf(inside)
+
+
+def test_around_open_ends_the_floor_is_not_seen():
+    floor = SeenFloor((SQUARE,))
+    whole, opened = (
+        UnseenFloor.beyond(outlines)
+        for outlines in (floor.outlines(), floor.outlines(np.array([[0.5, 0.5]])))
+    )
+    assert math.isinf(seen_until(0.1, 0.5, 1.0, 0.0, 0.8, whole))
+    far = 0.4 - GOES_ON + REACH * SIDE
+    assert seen_until(0.1, 0.5, 1.0, 0.0, 0.8, opened) == pytest.approx(far, abs=2 * SIDE)
+    assert math.isinf(seen_until(0.1, 0.8, 1.0, 0.0, 0.8, opened))

@@ -19,11 +19,16 @@ START = Pose2(0.1, 0.2, 0.3)
 NEW = Pose2(-0.4, 0.1, 2.0)
 
 
-def weights(gain: float, *, log_elsewhere: float, whole: bool, given: bool = True) -> float:
-    """Weight of a place whose scans fit better than the followed place's, in all by ``gain``."""
-    fits = np.zeros(8)
-    leader = Rescored(START, COVARIANCE, fits)
-    found = Rescored(NEW, COVARIANCE, fits + gain / (P.scan_worth * 8))
+def weights(
+    gain: float, *, log_elsewhere: float, whole: bool, given: bool = True, unseen: float = 0.0
+) -> float:
+    """Weight of a place whose scans fit better than the followed place's, in all by ``gain``.
+
+    They would fit better by ``unseen`` than that, if all fitted that unseen floor returned there.
+    """
+    fits, each = np.zeros(8), 1 / (P.scan_worth * 8)
+    leader = Rescored(START, COVARIANCE, fits, fits)
+    found = Rescored(NEW, COVARIANCE, fits + gain * each, fits + unseen * each)
     search = SimpleNamespace(
         scans=8,
         scans_replayed=8,
@@ -34,7 +39,7 @@ def weights(gain: float, *, log_elsewhere: float, whole: bool, given: bool = Tru
     tracks = [SimpleNamespace(pose=START, log_weight=0.0)]
     priors = [Prior(START, COVARIANCE)] if given else []
     (place,) = weigh_places(search, tracks, priors, log_elsewhere, whole, P)  # type: ignore[arg-type]
-    assert place.log_evidence == pytest.approx(gain)
+    assert place.log_evidence == pytest.approx(gain + unseen)
     return place.log_weight
 
 
@@ -50,3 +55,8 @@ def test_it_is_no_likelier_than_all_places_elsewhere_together(given: bool) -> No
 
 def test_where_the_short_map_is_all_that_was_seen_scans_alone_decide() -> None:
     assert weights(50.0, log_elsewhere=P.log_kidnapped, whole=True) == pytest.approx(50.0)
+
+
+def test_unseen_floor_makes_a_place_a_rival_and_not_likelier() -> None:
+    usual = weights(-20.0, log_elsewhere=-9.0, whole=True)
+    assert weights(-20.0, log_elsewhere=-9.0, whole=True, unseen=19.0) == usual == -20.0

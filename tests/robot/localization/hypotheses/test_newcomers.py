@@ -22,7 +22,7 @@ WORTH = DEFAULTS.hypotheses.scan_worth
 
 
 def life(pose: Pose2, fit: float) -> Rescored:
-    return Rescored(pose, np.diag(np.square([0.005, 0.005, 0.02])), np.full(8, fit))
+    return Rescored(pose, np.diag(np.square([0.005, 0.005, 0.02])), np.full(8, fit), np.zeros(8))
 
 
 @dataclass
