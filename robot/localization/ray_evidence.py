@@ -155,8 +155,8 @@ def ends_of_seen(pose: Array, rays: Array, evidence: RayEvidence) -> Array:
         return ends
     c, s = math.cos(pose[2]), math.sin(pose[2])
     for i in range(len(rays)):
-        near, at = rays[i, column.NEAR], rays[i, column.RANGE] - rays[i, column.NEAR]
-        if not math.isfinite(at):
+        near, past = rays[i, column.NEAR], rays[i, column.RANGE] - rays[i, column.NEAR]
+        if not math.isfinite(past):
             continue
         heading = pose[2] + rays[i, column.DIRECTION]
         dx, dy = math.cos(heading), math.sin(heading)
@@ -164,13 +164,13 @@ def ends_of_seen(pose: Array, rays: Array, evidence: RayEvidence) -> Array:
         y = pose[1] + s * rays[i, column.X] + c * rays[i, column.Y] + near * dy
         reach = min(rays[i, column.FAR], evidence.range_max) - near
         known = seen_until(x, y, dx, dy, reach, floor)
-        if at > known - AT_BORDER or _is_at_border(x + at * dx, y + at * dy, floor):
+        if past > known - AT_BORDER or _is_at_border(x + past * dx, y + past * dy, floor):
             due = cast_toward(x, y, dx, dy, evidence.edge_index, reach)[0]
             # The end of tape that nobody saw is none: the drawing ends there, and the tape goes on.
             before = due - NEAR
             seen = math.isfinite(due) and is_seen(x + before * dx, y + before * dy, floor)
-            if not seen or (due > min(known, at) and abs(at - due) > NEAR):
-                ends[i] = near + min(known, at) - AT_BORDER
+            if not seen or (due > min(known, past) and abs(past - due) > NEAR):
+                ends[i] = near + min(known, past) - AT_BORDER
     return ends
 
 

@@ -29,8 +29,6 @@ GOES_ON = 0.12
 """Where tape was seen that could not be drawn, it may go on this far [m]. Half: in a map of
 *square* without a corner (seed 9103, 6 s; a drive of seed 9601 that begins known) a robot is
 certain in 32 instead of 82 % of the pictures, and lost in half of them; twice: in 78 %."""
-NOWHERE = np.empty((0, 2))
-"""No point."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +55,7 @@ class SeenFloor:
                 fill(seen, [origin.inverse().apply(polygon) / side])
         return seen > 0
 
-    def outlines(self, open_ends: Array = NOWHERE) -> tuple[Array, ...]:
+    def outlines(self, open_ends: Array) -> tuple[Array, ...]:
         """Return the outlines (n, 2) of all seen floor [m]; one within another is of a hole.
 
         Around ``open_ends`` (n, 2) [m], tape may go on that is not drawn.

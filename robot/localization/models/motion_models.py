@@ -33,6 +33,14 @@ __all__ = [
 Sample = Callable[[Array, Pose2, np.random.Generator], Array]
 _ALPHAS = ("alpha1", "alpha2", "alpha3", "alpha4")
 _VELOCITY_ALPHAS = tuple(f"velocity_alpha{number}" for number in range(1, 7))
+MODELS = {
+    "differential": ("odometry_motion:DifferentialMotion", _ALPHAS),
+    "omni": ("odometry_motion:OmniMotion", (*_ALPHAS, "alpha5")),
+    "velocity": ("velocity_motion:VelocityMotion", _VELOCITY_ALPHAS),
+    "stationary": ("odometry_motion:StationaryMotion", ("stationary_sd_xy", "stationary_sd_theta")),
+}
+"""Class of each model, imported at its first use, and the settings for its fields, in order."""
+MOTION_MODELS = tuple(MODELS)
 
 
 class MotionModel(Protocol):
@@ -100,16 +108,6 @@ class LoosenedMotion:
 def loosened(model: MotionModel, factor: float) -> MotionModel:
     """Return the model with its standard deviations multiplied by a factor."""
     return model if factor == 1.0 else LoosenedMotion(model, factor)
-
-
-MODELS = {
-    "differential": ("odometry_motion:DifferentialMotion", _ALPHAS),
-    "omni": ("odometry_motion:OmniMotion", (*_ALPHAS, "alpha5")),
-    "velocity": ("velocity_motion:VelocityMotion", _VELOCITY_ALPHAS),
-    "stationary": ("odometry_motion:StationaryMotion", ("stationary_sd_xy", "stationary_sd_theta")),
-}
-"""Class of each model, imported at its first use, and the settings for its fields, in order."""
-MOTION_MODELS = tuple(MODELS)
 
 
 @dataclass(frozen=True)
