@@ -171,9 +171,9 @@ class TapeMap:
                 "wrong by such a motion: lay a mark beside it, such as a stub"
             )
         if self.others:
-            places = np.array([thing.mean(axis=0) for thing in self.others])
+            others = np.array([thing.mean(axis=0) for thing in self.others])
             remarks.append(
-                f"the map is incomplete: something{near(places)} is not in it, a "
+                f"the map is incomplete: something{near(others)} is not in it, a "
                 "shadow, or tape that was seen from its end only; drive past it"
             )
         return tuple(remarks)

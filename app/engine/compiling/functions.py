@@ -144,6 +144,7 @@ FUNCTIONS: tuple[Compiled, ...] = (
         "robot.localization.ray_evidence.ray_log_likelihoods",
         (_F2, _F2, _EVIDENCE, float64),
     ),
+    Compiled("robot.localization.ray_evidence.ends_of_seen", (_F1, _F2, _EVIDENCE)),
     Compiled("robot.localization.monitoring.mounting_check._project_out_pose", (_F2, _F2)),
     Compiled("robot.localization.monitoring.mounting_check._solve", (_F2, float64, _F2)),
     Compiled(
