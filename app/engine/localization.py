@@ -299,7 +299,7 @@ class Localization(Follower):
             self.localizer.force_update()
         else:
             self.localizer.filter.use(setup)
-        self.localizer.use(setup)
+            self.localizer.use(setup)
         self._monitor.use(setup.evidence, model_suspected=not self.models.usual)
 
     def _make_added(self, *, fresh: bool) -> None:

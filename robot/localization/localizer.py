@@ -13,7 +13,6 @@ from robot.fields.field import Field
 from robot.geometry import Array, Pose2
 from robot.localization.estimate import (
     BOUNDED,
-    ONLY_PLACE,
     SEARCHING,
     Estimate,
     Hypothesis,
@@ -102,18 +101,17 @@ class Localizer:
 
     def exchange(self, new: Filter, setup: Setup) -> None:
         """Go on with another filter, which starts from the belief of the one before."""
-        old, place = self.filter, self.filter.hypotheses
-        only = bool(place) and place[0].weight > ONLY_PLACE
-        undoubted = only and self._standing(place[0].pose) in (Standing.CONFIRMED, Standing.GIVEN)
-        self.filter = transfer_belief(new, old)
-        before, self.beside = self.beside, search_beside(setup)
-        if before is not None and self.beside is not None:
-            self.beside = before  # It goes on: what it knows of the place does not change.
-            return
-        if self.beside is not None:
-            transfer_belief(self.beside.filter, old)
-        if not undoubted:
-            self._search_anew()
+        # What searches the field goes on, in its place or beside it: it alone remembers what was
+        # given, and what was doubted.
+        old, searching = self.filter, None if self.beside is None else self.beside.filter
+        searching = old if FILTERS[self.parameters.filter].has_hypotheses else searching
+        self.beside = search_beside(setup, searching)
+        if searching is not None and type(new) is type(searching):
+            self.filter = searching
+            self.filter.use(setup)
+        else:
+            self.filter = transfer_belief(new, old)
+        self.use(setup)
 
     def set_pose(self, pose: Pose2, covariance: Array | None = None) -> None:
         """Restart around a pose in the map; the default covariance (3, 3) is the parameters'."""
@@ -300,11 +298,11 @@ def make_filter(setup: Setup, rng: np.random.Generator) -> Filter:
     return FILTERS[setup.filter.filter].make(setup, rng)
 
 
-def search_beside(setup: Setup) -> SearchBeside | None:
+def search_beside(setup: Setup, searching: Filter | None = None) -> SearchBeside | None:
     """Return what searches beside a setup's filter; None if that searches, or is of a laser."""
     alone = FILTERS[setup.filter.filter].has_hypotheses or not setup.field.tape
-    # By name: few filters need it.
-    return None if alone else resolve_name("robot.localization.search_beside:SearchBeside")(setup)
+    name = "robot.localization.search_beside:SearchBeside"  # by name: few filters need it
+    return None if alone else resolve_name(name)(setup, searching)
 
 
 def transfer_belief(new: Filter, old: Filter) -> Filter:

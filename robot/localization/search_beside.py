@@ -12,7 +12,7 @@ import numpy as np
 
 from robot.geometry import Pose2
 from robot.localization.estimate import ONLY_PLACE, Standing
-from robot.localization.filter import Setup
+from robot.localization.filter import Filter, Setup
 from robot.localization.filter_kinds import OURS
 from robot.localization.models.sensor_models import SensorParameters, sensor_model
 from robot.localization.parameters import FilterParameters, HypothesisParameters
@@ -21,10 +21,12 @@ from robot.localization.parameters import FilterParameters, HypothesisParameters
 class SearchBeside:
     """A filter of hypotheses that goes along with one that makes no search."""
 
-    def __init__(self, setup: Setup) -> None:
-        """Begin at the field's start; it draws numbers of its own."""
+    def __init__(self, setup: Setup, searching: Filter | None = None) -> None:
+        """Go on with a filter of hypotheses; without one, with a new one at the field's start."""
         own = usual(setup)
-        self.filter = OURS["hypotheses"].make(own, np.random.default_rng(0))
+        # It draws numbers of its own.
+        self.filter = searching or OURS["hypotheses"].make(own, np.random.default_rng(0))
+        self.filter.use(own)
         self._alike = own.hypotheses.alike
 
     def use(self, setup: Setup) -> None:

@@ -95,6 +95,34 @@ def test_a_place_that_was_given_stays_so_for_another_filter() -> None:
     assert {state for state, _ in states(one, drive, 0.3)} == {State.GIVEN}
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "off", [(-0.02, -0.106, -0.192), (0.009, 0.091, 0.101), (0.06, -0.063, -0.133)]
+)
+def test_a_wide_start_outlives_a_gaussian_that_has_not_come_to_it(
+    off: tuple[float, float, float],
+) -> None:
+    """On a square no search would find again which of four equal places was given."""
+    one, drive = localizer(ON_SQUARE, "kalman"), drive_on(ON_SQUARE.field, Pose2(0.1, 0, 0.5))
+    told = Pose2.from_array(drive.true.to_array() + off)
+    one.set_pose(told, ON_SQUARE.parameters.filter.initial_covariance)
+    list(states(one, drive, 0.1))
+    setup = with_filter(ON_SQUARE, "hypotheses")
+    one.exchange(make_filter(setup, np.random.default_rng(1)), setup)
+    claimed = list(states(one, drive, 10.0))
+    assert claimed[-1] == (State.CERTAIN, True)
+
+
+def test_what_searches_goes_on_whatever_filter_is_chosen() -> None:
+    one = localizer(ON_STUB, "hypotheses")
+    searching = one.filter
+    for name in ("particles", *LONE, "hypotheses"):
+        setup = with_filter(ON_STUB, name)
+        one.exchange(make_filter(setup, np.random.default_rng(1)), setup)
+        assert searching is (one.filter if one.beside is None else one.beside.filter)
+    assert one.filter is searching
+
+
 def test_it_is_made_where_a_filter_makes_no_search_and_there_is_tape() -> None:
     assert search_beside(with_filter(ON_STUB, "hypotheses")) is None
     alone = with_filter(ON_STUB, "particles")
