@@ -8,6 +8,7 @@ from typing import Any
 from app.console import say
 from app.features.lab.calibrate.pictures import board_of
 from app.files import atomic_file
+from app.result_files import require_new
 from robot.calibration.lens.board_page import lay_out
 from robot.calibration.lens.page_files import pdf, svg
 from robot.settings import SettingError
@@ -26,6 +27,8 @@ def print_board(given: dict[str, Any]) -> int:
     suffix = out.suffix.lower()
     if suffix not in SUFFIXES:
         raise SettingError(f"--out is {out}; valid is a file that ends in .pdf or .svg")
+    if not given.pop("force", False):
+        require_new(out)
     paper = given.pop("paper", "a4")
     board = board_of(given)
     page = lay_out(board, paper)

@@ -134,6 +134,7 @@ def _add_printed_board(kinds: Commands) -> None:
     board.add_argument(
         "--out", type=Path, metavar="FILE.pdf|FILE.svg", help="the page (default: board.pdf)"
     )
+    board.add_argument("--force", action="store_true", help="write over a file that is there")
     board.set_defaults(command=_board)
 
 

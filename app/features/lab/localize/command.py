@@ -27,7 +27,7 @@ from app.features.lab.localize.results import (
     write_results,
 )
 from app.features.lab.localize.settings import LocalizeSettings, load_settings
-from app.result_files import make_folder
+from app.result_files import RESULTS, make_folder, require_new
 from robot.fields.field import FieldError
 from robot.geometry import Pose2
 from robot.settings import SettingError
@@ -44,6 +44,8 @@ def localize_command(parsed: argparse.Namespace) -> int:
     enabled = LaserMap.load(parsed.map)
     start = _start(parsed, settings, enabled)
     folder = parsed.out or Path("localized") / parsed.bag.stem
+    if not (parsed.force or (folder / RESULTS).exists()):
+        require_new(*(folder / name for name in (PATH, WITHDRAWN, PICTURE)))
     with Bag(parsed.bag) as bag:
         lasers = find_lasers(bag, parsed)
         make_folder(folder)

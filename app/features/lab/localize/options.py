@@ -43,6 +43,10 @@ def add_localize(command: CommandParser) -> None:
         help="where the results go: a folder for a bag, a .tum file for pictures (default: "
         "localized/ and the recording's name)",
     )  # fmt: skip
+    command.add_argument(
+        "--force", action="store_true",
+        help="write over files that are there, and are no results of this command",
+    )  # fmt: skip
     add_topics(command)
     _add_start(command)
     _add_pictures(command)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,10 +18,14 @@ from app.features.lab.chosen_lens import read_chosen_lens
 from app.features.lab.localize.localize import GivenStart
 from app.features.lab.localize.pictures.follow import LocatedPicture, LocatedPictures, PictureRun
 from app.features.lab.localize.pictures.motion import RecordedOdometry
-from app.features.lab.localize.pictures.sequence import SequenceError, read_sequence
+from app.features.lab.localize.pictures.sequence import (
+    SequenceError,
+    StampedPicture,
+    read_sequence,
+)
 from app.features.lab.trajectories.reading import read_trajectory
 from app.options import config_file
-from app.result_files import require_writable
+from app.result_files import require_new, require_writable
 from app.settings.config import MAPS, Config
 from app.trajectories.trajectory import Trajectory
 from app.trajectories.tum_file import write_tum
@@ -76,7 +81,7 @@ class Overlays:
         _dots(drawn, sides[0][counted], ENTRY, 2)
         done, data = cv2.imencode(".png", drawn)
         if done:
-            (self._folder / f"{located.picture.path.stem}.png").write_bytes(data.tobytes())
+            _overlay(self._folder, located.picture).write_bytes(data.tobytes())
 
     def _edges(self, located: LocatedPicture, scanner: LineScanner) -> Array:
         """Return the pixels (n, 2) of the field's edges, seen from the estimate."""
@@ -91,6 +96,23 @@ class Overlays:
 def _dots(image: Picture, pixels: Array, colour: tuple[int, int, int], radius: int) -> None:
     for u, v in pixels[np.isfinite(pixels[:, 0])].round().astype(int).tolist():
         cv2.circle(image, (u, v), radius, colour, -1)
+
+
+def _overlay(folder: Path, picture: StampedPicture) -> Path:
+    return folder / f"{picture.path.stem}.png"
+
+
+def _overlays_in(folder: Path, pictures: Sequence[StampedPicture]) -> list[Path]:
+    """Return the files that show what was found.
+
+    Raises:
+        SettingError: one of them is a picture of the recording.
+    """
+    files = [_overlay(folder, picture) for picture in pictures]
+    recorded = {picture.path.resolve() for picture in pictures}
+    if any(file.resolve() in recorded for file in files):
+        raise SettingError(f"--overlays is {folder}, whose pictures are read; valid is another")
+    return files
 
 
 def localize_pictures(parsed: argparse.Namespace) -> int:
@@ -117,9 +139,12 @@ def localize_pictures(parsed: argparse.Namespace) -> int:
         _start(parsed, field, config),
         odometry,
     )
-    overlays = None if parsed.overlays is None else Overlays(parsed.overlays, field)
     out = parsed.out or Path("localized") / f"{parsed.bag.resolve().name}.tum"
     require_writable(out)
+    shown = () if parsed.overlays is None else _overlays_in(parsed.overlays, pictures)
+    if not parsed.force:
+        require_new(out, *shown)
+    overlays = None if parsed.overlays is None else Overlays(parsed.overlays, field)
     run.follow(pictures, overlays.write if overlays else None)
     _write(out, run.result, parsed.bag, field)
     _tell(run.result, len(pictures), out)

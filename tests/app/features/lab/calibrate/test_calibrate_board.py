@@ -162,3 +162,13 @@ def test_what_cannot_be_printed_is_told(
     assert run(*options) == 2
     assert words in capsys.readouterr().err
     assert not list(tmp_path.iterdir())
+
+
+def test_no_page_is_written_over_a_file_that_is_there(tmp_path: Path, capsys) -> None:
+    precious = tmp_path / "board.svg"
+    precious.write_text("precious")
+    assert run("--out", precious) == 2
+    assert f"{precious} would be overwritten; valid is another name" in capsys.readouterr().err
+    assert precious.read_text() == "precious"
+    assert run("--out", precious, "--force") == 0
+    assert precious.read_text() != "precious"

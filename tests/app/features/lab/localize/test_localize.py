@@ -283,3 +283,17 @@ def test_a_bag_in_which_the_robot_never_moves_ends_without_a_guess(tmp_path):
     assert found["hypotheses"]
     assert not (out / "localized.tum").exists()
     assert all(math.isfinite(one["weight"]) for one in found["hypotheses"])
+
+
+def test_results_replace_earlier_ones_and_no_file_of_somebody_else(tmp_path, capsys):
+    path = write_bag(tmp_path / "stands", seen=drive()[:1] * 1)
+    out = tmp_path / "out"
+    command = ["localize", str(path), "--map", str(write_map(tmp_path)), "--out", str(out)]
+    out.mkdir()
+    precious = out / "path.png"
+    precious.write_text("precious")
+    assert main(command) == 2
+    assert f"{precious} would be overwritten; valid is another name" in capsys.readouterr().err
+    assert precious.read_text() == "precious"
+    assert main([*command, "--force"]) == 0
+    assert main(command) == 0

@@ -101,6 +101,34 @@ def test_a_wrong_start_is_lost_with_every_filter_and_never_certain(
     assert float(told.split("first ")[1].split()[0]) <= 2.0
 
 
+def test_nothing_is_written_over_files_of_somebody_else(road_drive, tmp_path, capsys) -> None:
+    shown = tmp_path / "shown"
+    shown.mkdir()
+    out, overlay = tmp_path / "way.tum", shown / f"{Path(name(road_drive.stamps[3])).stem}.png"
+    command = road_drive.folder, "--map", road_drive.field, "--out", out, "--overlays", shown
+    for precious in (out, overlay):
+        precious.write_text("precious")
+        code, told = refused(capsys, *command)
+        assert code == 2 and f"{precious} would be overwritten; valid is another name" in told
+        assert precious.read_text() == "precious"
+        precious.unlink()
+    assert main(["localize", *map(str, command)]) == 0
+    assert refused(capsys, *command)[0] == 2
+    assert main(["localize", *map(str, command), "--force"]) == 0
+
+
+def test_pictures_that_are_read_are_never_drawn_on(road_drive, tmp_path, capsys) -> None:
+    folder = tmp_path / "pictures"
+    folder.mkdir()
+    for path in road_drive.folder.iterdir():
+        shutil.copy(path, (folder / path.name).with_suffix(".png"))
+    before = {path: path.read_bytes() for path in folder.iterdir()}
+    options = "--map", road_drive.field, "--overlays", folder, "--force"
+    code, told = refused(capsys, folder, *options, "--out", tmp_path / "way.tum")
+    assert code == 2 and f"--overlays is {folder}, whose pictures are read" in told
+    assert {path: path.read_bytes() for path in folder.iterdir()} == before
+
+
 def test_without_odometry_no_bound_is_told(road_drive, tmp_path, capsys) -> None:
     located(road_drive, tmp_path / "out.tum")
     told = capsys.readouterr().out
