@@ -94,17 +94,17 @@ class View:
             with self._latest.subscribe() as subscription:
                 while True:
                     snapshot = await subscription.next()
-                    await anyio.to_thread.run_sync(self._show, snapshot)
+                    self._remember(snapshot)
+                    if self._viewers.present:
+                        await anyio.to_thread.run_sync(self._show, snapshot)
                     await anyio.sleep(1 / UPDATES_HZ)
         except Exception as error:
             LOG.exception("the 3D view stopped")
             self.failure = f"The 3D view stopped: {error}"
 
     def _show(self, snapshot: Snapshot) -> None:
-        self._remember(snapshot)
-        if self._viewers.present:
-            self._scene.update(snapshot)
-            self.cameras.follow(snapshot.truth or snapshot.pose or snapshot.odometry)
+        self._scene.update(snapshot)
+        self.cameras.follow(snapshot.truth or snapshot.pose or snapshot.odometry)
 
     def _remember(self, snapshot: Snapshot) -> None:
         """Keep what paths show later, also of a snapshot that nobody looks at."""
