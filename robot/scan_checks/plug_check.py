@@ -57,13 +57,9 @@ class PlugCheck:
         """How far tape is off where any motion lays it rightly; old errors count less [m]."""
         self._last: Pose2 | None = None
         self._stamp = -math.inf
-        self._begin(np.empty((0, 2)))
-
-    @property
-    def plugs(self) -> Plugs:
+        self.plugs = Plugs.RIGHT
         """How motors are plugged in, as far as is known."""
-        most = max(WRONG, key=lambda plugs: (self._votes[plugs], -self._errors[plugs]))
-        return most if self._votes[most] >= SURE else Plugs.RIGHT
+        self._begin(np.empty((0, 2)))
 
     def add(self, scan: Scan, odometry: Pose2) -> None:
         """Add a scan, and odometry at its stamp."""
@@ -116,3 +112,5 @@ class PlugCheck:
                 self._votes[plugs] = min(self._votes[plugs] + 1, MOST)
             elif errors[plugs] > MISSES:
                 self._votes[plugs] = max(self._votes[plugs] - 1, 0)
+        most = max(WRONG, key=lambda plugs: (self._votes[plugs], -self._errors[plugs]))
+        self.plugs = most if self._votes[most] >= SURE else Plugs.RIGHT
