@@ -9,6 +9,7 @@ from __future__ import annotations
 import ctypes
 import gc
 import inspect
+import multiprocessing
 import os
 import pickle
 import signal
@@ -20,7 +21,9 @@ import time
 from collections.abc import Sequence
 from contextlib import contextmanager
 from functools import cache
+from multiprocessing import forkserver, resource_tracker
 from pathlib import Path
+from types import SimpleNamespace
 
 from places import HELPERS, ROOT
 
@@ -162,8 +165,42 @@ def _become(words, folder, files, others) -> None:
 
     from app.__main__ import main
 
+    _keep_nursery()
     cv2.setNumThreads(-1)
     raise SystemExit(main())
+
+
+def _keep_nursery() -> None:
+    """Let processes of the program be copies, too, made by one that has no threads.
+
+    How they start is tested without a program; here each would cost what a program's start does.
+    """
+    from app import worker_process
+    from app.features.control import starting
+
+    nursery = forkserver._forkserver
+    alive, nursery._forkserver_alive_fd = os.pipe()
+    nursery._forkserver_address = f"\0nursery of {os.getpid()}"
+    nursery.ensure_running = resource_tracker.ensure_running  # it runs as long as the program
+    with socket.socket(socket.AF_UNIX) as listener:
+        listener.bind(nursery._forkserver_address)
+        listener.listen()
+        if not os.fork():
+            try:
+                os.close(nursery._forkserver_alive_fd)
+                # As ``children_deaf_to_ctrl_c`` has it.
+                signal.pthread_sigmask(signal.SIG_BLOCK, (signal.SIGINT,))
+                forkserver.main(listener.detach(), alive, ())
+            finally:
+                os._exit(0)
+    os.close(alive)
+    replaced = SimpleNamespace(
+        get_context=lambda way: multiprocessing.get_context(
+            "forkserver" if way == "spawn" else way
+        ),
+        parent_process=multiprocessing.parent_process,
+    )
+    worker_process.multiprocessing = starting.multiprocessing = replaced
 
 
 def _get_warm() -> None:
