@@ -147,11 +147,11 @@ def chromium():
 
 
 @pytest.fixture(scope="module")
-def browser(chromium):
-    from browsing import NO_GL
+def browser(request, chromium):
+    from browsing import NO_GL, calmed
 
     started = chromium(NO_GL)
-    yield started
+    yield started if request.node.get_closest_marker("real_time") else calmed(started)
     started.close()
 
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 import pytest
+from browsing import keep_what_is_told, let_go
 from playwright.sync_api import Page, expect
 from serving import ServedProgram, ask, until
 from serving import server as started
@@ -45,7 +46,7 @@ def back_to_start(server) -> None:
 @contextmanager
 def person(browser, server, token: str) -> Iterator[Page]:
     """A page in a browser of its own, with its own cookies."""
-    with browser.new_context(viewport=SIZE) as context:
+    with keep_what_is_told(browser.new_context(viewport=SIZE)) as context:
         page = context.new_page()
         page.route("**/view/**", lambda route: route.fulfill(body="<p>no 3D here</p>"))
         page.goto(f"{server.url}/?token={token}")
@@ -67,6 +68,7 @@ def test_a_stop_of_one_holds_against_the_key_that_another_holds(browser, server)
         ann.keyboard.down("w")
         wait(server, lambda now: now["twist"]["v"] > 0.1)
         ann.keyboard.up("w")
+        let_go(ann)
         wait(server, lambda now: now["mode"] == "idle")
 
 
@@ -106,6 +108,7 @@ def test_pages_of_one_browser_are_one_person_who_is_named(browser, server) -> No
         # She went on from her other page: this one lets go, and says nothing.
         expect(ann.locator("#figure-eight")).to_have_attribute("aria-pressed", "false")
         hers.keyboard.up("s")
+        let_go(hers)
         wait(server, lambda now: now["mode"] == "idle")
         assert ann.locator("#toasts .toast").count() == 0
 
@@ -123,6 +126,7 @@ def test_the_drive_can_be_taken(browser, server) -> None:
         bob.keyboard.down("s")
         wait(server, lambda now: now["twist"]["v"] < -0.05)
         bob.keyboard.up("s")
+        let_go(bob)
         wait(server, lambda now: now["mode"] == "idle")
 
 

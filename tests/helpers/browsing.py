@@ -40,10 +40,79 @@ ALL_SHOWN = """() => {
 """Makes a browser one that has asked for more than a first visit shows."""
 
 
+CALM = """() => {
+  const every = 100;
+  const frame = requestAnimationFrame.bind(window);
+  const cancel = cancelAnimationFrame.bind(window);
+  const asked = new Map();
+  window.requestAnimationFrame = (paint) => {
+    const draw = (now) => {
+      asked.delete(timer);
+      paint(now);
+    };
+    const wait = every - (performance.now() % every);
+    const timer = setTimeout(() => asked.set(timer, frame(draw)), wait);
+    return timer;
+  };
+  window.cancelAnimationFrame = (timer) => {
+    clearTimeout(timer);
+    cancel(asked.get(timer));
+    asked.delete(timer);
+  };
+}"""
+"""Makes a page one of a slow computer: it draws ten times a second. Nothing else is changed.
+
+Without a graphics card, drawing sixty times is half of what the page's own process computes.
+"""
+
+
+KEEP_WHAT_IS_TOLD = """() => {
+  window.told = [];
+  const send = WebSocket.prototype.send;
+  WebSocket.prototype.send = function (text) {
+    window.told.push(String(text));
+    send.call(this, text);
+  };
+}"""
+"""Makes a page keep what it tells the robot, in ``window.told``."""
+
+LETS_GO = """() => {
+  const drives = window.told.map((text) => JSON.parse(text)).filter(({ type }) => type === "drive");
+  return drives.at(-1)?.v === 0 && drives.at(-1)?.omega === 0;
+}"""
+
+
+def calmed(browser: Browser) -> Browser:
+    """Let all pages of a browser be calm, for tests that are not about how soon a page answers."""
+    new_context, new_page = browser.new_context, browser.new_page
+
+    def calm(made: Any) -> Any:
+        made.add_init_script(f"({CALM})()")
+        return made
+
+    browser.new_context = lambda **options: calm(new_context(**options))
+    browser.new_page = lambda **options: calm(new_page(**options))
+    return browser
+
+
 def show_all(context: BrowserContext) -> BrowserContext:
     """Let the pages of a browser show all panels and tools, as tests need that press them."""
     context.add_init_script(f"try {{ ({ALL_SHOWN})() }} catch {{}}")
     return context
+
+
+def keep_what_is_told(context: BrowserContext) -> BrowserContext:
+    """Let the pages of a browser keep what they tell the robot, for ``let_go``."""
+    context.add_init_script(f"({KEEP_WHAT_IS_TOLD})()")
+    return context
+
+
+def let_go(page: Page) -> None:
+    """Wait until a page's last word on driving is that the robot stand.
+
+    To see the robot stand is not enough: it also does when a page that drives on is late to say so.
+    """
+    page.wait_for_function(LETS_GO)
 
 
 def visit(page: Page, address: str) -> None:
@@ -63,7 +132,8 @@ def opened(
     **options,
 ) -> Iterator[Page]:
     """A page that shows all; with ``first_visit`` one that shows what it does at first."""
-    context = browser.new_context(viewport={"width": width, "height": height}, **options)
+    size = {"width": width, "height": height}
+    context = keep_what_is_told(browser.new_context(viewport=size, **options))
     if not first_visit:
         show_all(context)
     context.set_default_timeout(PATIENCE_MS)
