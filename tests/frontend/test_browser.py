@@ -9,7 +9,7 @@ from itertools import pairwise
 import cv2
 import numpy as np
 import pytest
-from browsing import PATIENCE_MS, SOFTWARE_GL, opened
+from browsing import PATIENCE_MS, SOFTWARE_GL, let_go, opened
 from playwright.sync_api import Page, expect
 from serving import ask, pose_error, serving, telemetry, until
 
@@ -52,6 +52,7 @@ class TestDriving:
         page.keyboard.down(key)
         until(live, lambda now: now["twist"]["v"] > 0.1)
         page.keyboard.up(key)
+        let_go(page)
         after = until(live, lambda now: now["twist"]["v"] == 0 and now["mode"] == "idle")
         assert distance(before["truth"], after["truth"]) > 0.003
 
@@ -61,6 +62,7 @@ class TestDriving:
         until(live, lambda now: now["twist"]["v"] > 0.02 and now["twist"]["omega"] > 0.1)
         page.keyboard.up("w")
         page.keyboard.up("a")
+        let_go(page)
         until(live, lambda now: now["mode"] == "idle")
 
     @pytest.mark.parametrize("how", ["button", "space"])
@@ -97,12 +99,18 @@ class TestDriving:
     def test_the_joystick_drives(self, page, live):
         box = page.locator("#joystick").bounding_box()
         middle = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+        knob = page.locator("#knob")
+        rest = knob.bounding_box()
+        still = knob.evaluate("(knob) => getComputedStyle(knob).translate")
         page.mouse.move(*middle)
         page.mouse.down()
         page.mouse.move(middle[0], middle[1] - box["height"] / 3, steps=3)
         until(live, lambda now: now["twist"]["v"] > 0.03)
+        until(live, lambda now: knob.bounding_box()["y"] < rest["y"] - box["height"] / 6)
         page.mouse.up()
+        let_go(page)
         until(live, lambda now: now["mode"] == "idle")
+        expect(knob).to_have_css("translate", still)
 
 
 def test_keys_do_not_drive_while_a_number_is_typed(page, live):
@@ -132,6 +140,7 @@ def test_typed_numbers_move_the_robot_and_undo_restores_the_pose(page, live):
     page.get_by_role("button", name="undo").click()
     until(live, lambda now: now["estimate"] == was)
     page.get_by_role("button", name="resume", exact=True).click()
+    until(live, lambda now: not now["filter"]["paused"])
 
 
 def test_a_parameter_is_changed_and_reset_brings_it_back(page, live):
@@ -145,11 +154,31 @@ def test_a_parameter_is_changed_and_reset_brings_it_back(page, live):
     until(live, lambda now: now["particles"]["count"] != 700)
 
 
+def test_a_slider_changes_a_parameter_and_the_number_beside_it(page):
+    slider, number = (
+        page.locator(f"input[name=z_rand][type={kind}]") for kind in ("range", "text")
+    )
+    before = number.input_value()
+    slider.fill("0")
+    expect(number).not_to_have_value(before)
+    lowest = number.input_value()
+    page.wait_for_function("window.told.some((text) => text.includes('set_parameters'))")
+    page.reload()
+    expect(number).to_have_value(lowest)
+    page.get_by_role("button", name="reset", exact=True).first.click()
+    expect(number).to_have_value(before)
+
+
 def test_a_ray_shows_its_profile(page, live):
     ask(live, type="place", x=0.2, y=0, theta=0)  # the ray in the middle crosses the tape
     page.locator("#camera-profile").click()
     expect(page.locator("#profile")).to_be_visible()
     expect(page.locator("#profile-text")).to_contain_text("mm")
+    page.locator("#profile-close").click()
+    expect(page.locator("#profile")).to_be_hidden()
+    expect(page.locator("#camera-profile")).to_have_attribute("aria-pressed", "false")
+    page.locator("#camera-rays").click()
+    expect(page.locator("#camera-rays")).to_have_attribute("aria-pressed", "false")
 
 
 def test_the_3d_view_shows_the_scene(chromium, server):

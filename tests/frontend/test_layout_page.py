@@ -232,6 +232,8 @@ class TestNeverStuck:
         expect(page.locator("#map-measured")).to_have_text(
             re.compile(r"^(29[6-9]|30[0-4]) mm$")  # a pixel is 3 mm
         )
+        page.locator("#map-clear").click()
+        expect(page.locator("#map-measured")).to_be_empty()
 
     def test_keys_measure_and_do_not_drive_meanwhile(self, page):
         page.locator("button[data-tool=measure]").focus()

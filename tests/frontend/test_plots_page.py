@@ -57,6 +57,9 @@ def test_values_are_chosen_and_saved_with_their_units(page):
     picture = cv2.imread(str(saved(page, "png")))
     assert picture.shape == (1080, 1920, 3)
     assert picture.std() > 5
+    legend.get_by_role("button", name="left wheel").click()
+    expect(legend).not_to_contain_text("left wheel")
+    assert "left wheel" not in saved(page, "csv").read_text()
 
 
 def test_axes_end_near_the_largest_value_and_have_room_for_their_numbers(page):

@@ -92,6 +92,16 @@ def test_the_slider_scrubs_and_what_was_said_then_is_drawn_in_its_colour(page, l
     expect(page.locator("#replay-time")).to_contain_text("0:04.")
 
 
+def test_a_replay_that_plays_goes_on_where_the_slider_is_let_go(page, live):
+    page.locator("#replay-play").click()
+    until(live, lambda now: not now["paused"] and now["position_s"] > 2.1)
+    page.locator("#replay-position").fill("1")
+    until(live, lambda now: not now["paused"] and 1.0 < now["position_s"] < 2.0)
+    expect(page.locator("#replay-play")).to_have_text("Pause")
+    page.locator("#replay-play").click()
+    until(live, lambda now: now["paused"])
+
+
 def test_the_speed_is_chosen_from_a_list(page, live):
     page.locator("#replay-speed").select_option("0.25")
     until(live, lambda now: now["speed"] == 0.25)
