@@ -60,6 +60,19 @@ def state_home(tmp_path_factory):
     warm_start.remember_environment()
 
 
+@pytest.fixture(autouse=True)
+def same_language():
+    """What a command that a test calls has made the language of its process ends with the test.
+
+    Programs of later tests would get it, which then could be no copies.
+    """
+    before = os.environ.get("LANGUAGE")
+    yield
+    os.environ.pop("LANGUAGE", None)
+    if before is not None:
+        os.environ["LANGUAGE"] = before
+
+
 @pytest.fixture(autouse=True, scope="session")
 def interrupts():
     """Programs under test hear Ctrl-C, even where a shell runs the tests in its background."""
@@ -73,6 +86,13 @@ def processor_time(request):
     from precedence import precedence
 
     with precedence() if request.config.option.markexpr == "real_time" else nullcontext():
+        yield
+
+
+@pytest.fixture(scope="module")
+def copied_processes():
+    """What the tests of a module start beside them is copied, not begun anew."""
+    with warm_start.copied_processes():
         yield
 
 
