@@ -13,11 +13,15 @@ PAINT = """async () => {
   const { DrawLoop } = await import("/static/page/draw_loop.js");
   const painted = [];
   let newest = "first";
-  const refresh = new DrawLoop().add(() => painted.push(newest), { hertz: 5 });
+  const loop = new DrawLoop();
+  const refresh = loop.add(() => painted.push(newest), { hertz: 5 });
+  const refreshAnother = loop.add(() => {});
   while (painted.length === 0) await new Promise(requestAnimationFrame);
   newest = "second";
   refresh();
   await new Promise((done) => setTimeout(done, 1000));
+  refreshAnother();
+  await new Promise((done) => setTimeout(done, 500));
   return painted;
 }"""
 STREAM = """async () => {
