@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import math
 from collections import deque
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -16,7 +15,7 @@ from robot.camera import FloorView
 from robot.description.spec import RobotSpec
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2, Twist2, interpolate
-from robot.interface import RESTING_PERIOD, RESTING_TICK, Frame, Reading
+from robot.interface import RESTING_PERIOD, Frame, Reading
 from robot.settings import check_settings, setting
 from sim.encoders import Encoders
 from sim.engines import CHOICES
@@ -163,8 +162,6 @@ class SimulatedRobot:
         self._due: float | None = None
         self._closed = False
         self.resting = False
-        self._drawn = -math.inf
-        """Stamp of the last picture that was drawn [s]."""
         self._remember()
         self._plan()
 
@@ -179,7 +176,7 @@ class SimulatedRobot:
         return self._tick * PERIOD
 
     def read(self) -> Reading:
-        """Advance by one period, or by ``RESTING_TICK``; return what the sensors measure then."""
+        """Advance by one period, or by ``RESTING_PERIOD``; return what the sensors measure then."""
         self._advance()
         frame = self._frame()
         turned = self._turned + self._world.positions
@@ -188,12 +185,10 @@ class SimulatedRobot:
         return Reading(self.stamp, positions, velocities, frame, None, self._world.pose)
 
     def _advance(self) -> None:
-        """Advance the world by one period; while it rests at once, as it stays where it is."""
+        """Advance the world by one period; of one that rests only the time, as nothing moves it."""
         step_time = self._world.step_time
         if self.resting:
-            periods = round(RESTING_TICK / PERIOD)
-            self._world.step(self._command, periods * self._steps)
-            self._tick += periods
+            self._tick += round(RESTING_PERIOD / PERIOD)
             self._remember()
             return
         made = 0
@@ -217,7 +212,6 @@ class SimulatedRobot:
 
     def place(self, pose: Pose2) -> None:
         """Place the robot at a pose in the map, at rest; frames not yet delivered are lost."""
-        self._drawn = -math.inf
         self._world.place(pose)
         self._past.forget()
         self._remember()
@@ -226,7 +220,6 @@ class SimulatedRobot:
 
     def change(self, settings: SimSettings) -> None:
         """Change camera and imperfections; the robot goes on where it is."""
-        self._drawn = -math.inf
         view = self._change_robot(settings.imperfections)
         self._settings = settings.camera
         self.settings = SimSettings(camera=settings.camera, imperfections=settings.imperfections)
@@ -279,14 +272,11 @@ class SimulatedRobot:
         """Decide which picture the next reading delivers, and begin it if it has been exposed."""
         self._rendering = None
         self._due = self._exposures.newest(self.stamp + PERIOD - self._exposures.until_here)
-        if self.resting and self._due is not None and self._due < self._drawn + RESTING_PERIOD:
-            self._due = None
         if self._due is not None and self._due <= self._past.newest:
             self._rendering = self._render(self._due)
 
     def _render(self, stamp: float) -> Future[NDArray[np.uint8]]:
         """Render the picture of a stamp while the program goes on."""
-        self._drawn = stamp
         if self._bump is not None and stamp >= self._bump[0]:
             self._camera.turn(self._bump[1])
             self._bump = None

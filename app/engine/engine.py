@@ -250,7 +250,8 @@ class Engine(ControlLoop):
         seen = frame or reading.scan
         if seen is not None:
             self._last_scan = self._last_scan if frame else seen.stamp
-            if not self._resting or seen.stamp >= self._measured + RESTING_PERIOD:
+            paced = not self._resting or self._resting_robot is not None
+            if paced or seen.stamp >= self._measured + RESTING_PERIOD:
                 self._meter.frame(seen.stamp, rested=self._measured < self._woke)
                 self._measure(seen)
                 self._measured = seen.stamp
