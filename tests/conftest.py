@@ -89,13 +89,6 @@ def processor_time(request):
         yield
 
 
-@pytest.fixture(scope="module")
-def copied_processes():
-    """What the tests of a module start beside them is copied, not begun anew."""
-    with warm_start.copied_processes():
-        yield
-
-
 @pytest.fixture
 def save(tmp_path):
     """Writes a file as an editor does; each time it is newer, however quick the test."""
@@ -167,11 +160,11 @@ def chromium():
 
 
 @pytest.fixture(scope="module")
-def browser(request, chromium):
-    from browsing import NO_GL, calmed
+def browser(chromium):
+    from browsing import NO_GL
 
     started = chromium(NO_GL)
-    yield started if request.node.get_closest_marker("real_time") else calmed(started)
+    yield started
     started.close()
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import subprocess
 from collections.abc import Iterator
 from urllib.request import urlopen
 
@@ -20,9 +19,7 @@ def server(tmp_path_factory) -> Iterator[ServedProgram]:
     folder = tmp_path_factory.mktemp("recordings")
     path = folder / "settings.toml"
     path.write_text(f"[recording]\nfolder = {json.dumps(str(folder))}\n", encoding="utf-8")
-    options = ("--robot", "kinematic", "--map", "square", "--config", str(path))
-    # No copy: what this program starts to read a recording, and for the robot, it starts itself.
-    with serving(*options, begin=subprocess.Popen) as running:
+    with serving("--robot", "kinematic", "--map", "square", "--config", str(path)) as running:
         yield running
 
 

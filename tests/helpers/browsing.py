@@ -40,32 +40,6 @@ ALL_SHOWN = """() => {
 """Makes a browser one that has asked for more than a first visit shows."""
 
 
-CALM = """() => {
-  const every = 100;
-  const frame = requestAnimationFrame.bind(window);
-  const cancel = cancelAnimationFrame.bind(window);
-  const asked = new Map();
-  window.requestAnimationFrame = (paint) => {
-    const draw = (now) => {
-      asked.delete(timer);
-      paint(now);
-    };
-    const wait = every - (performance.now() % every);
-    const timer = setTimeout(() => asked.set(timer, frame(draw)), wait);
-    return timer;
-  };
-  window.cancelAnimationFrame = (timer) => {
-    clearTimeout(timer);
-    cancel(asked.get(timer));
-    asked.delete(timer);
-  };
-}"""
-"""Makes a page one of a slow computer: it draws ten times a second. Nothing else is changed.
-
-Without a graphics card, drawing sixty times is half of what the page's own process computes.
-"""
-
-
 KEEP_WHAT_IS_TOLD = """() => {
   window.told = [];
   const send = WebSocket.prototype.send;
@@ -80,19 +54,6 @@ LETS_GO = """() => {
   const drives = window.told.map((text) => JSON.parse(text)).filter(({ type }) => type === "drive");
   return drives.at(-1)?.v === 0 && drives.at(-1)?.omega === 0;
 }"""
-
-
-def calmed(browser: Browser) -> Browser:
-    """Let all pages of a browser be calm, for tests that are not about how soon a page answers."""
-    new_context, new_page = browser.new_context, browser.new_page
-
-    def calm(made: Any) -> Any:
-        made.add_init_script(f"({CALM})()")
-        return made
-
-    browser.new_context = lambda **options: calm(new_context(**options))
-    browser.new_page = lambda **options: calm(new_page(**options))
-    return browser
 
 
 def show_all(context: BrowserContext) -> BrowserContext:

@@ -37,11 +37,9 @@ server = partial(programs.server, begin=WarmProgram)
 
 
 @contextmanager
-def serving(
-    *arguments: str, begin: type[subprocess.Popen[str]] = WarmProgram
-) -> Iterator[ServedProgram]:
+def serving(*arguments: str) -> Iterator[ServedProgram]:
     """Start ``brickpose run``, wait for its address and its first tick; end it afterwards."""
-    with server(*arguments, stderr=subprocess.PIPE, begin=begin) as running:
+    with server(*arguments, stderr=subprocess.PIPE) as running:
         with running.live() as socket:
             until(socket, estimated, START_S)
         yield running

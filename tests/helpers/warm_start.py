@@ -9,7 +9,6 @@ from __future__ import annotations
 import ctypes
 import gc
 import inspect
-import multiprocessing
 import os
 import pickle
 import signal
@@ -18,21 +17,16 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import contextmanager
 from functools import cache
-from multiprocessing import forkserver, resource_tracker
-from multiprocessing.context import BaseContext
 from pathlib import Path
-from types import SimpleNamespace
 
 from places import HELPERS, ROOT
 
 LONGEST_REQUEST = 2**16
 LONGEST_END_S = 10.0
 PR_SET_CHILD_SUBREAPER = 36
-NURSERY = ["a process that is copied"]
-"""In place of a program's words."""
 CHANGING = frozenset({"PYTEST_CURRENT_TEST"})
 """Variables that no program reads."""
 START = f"""
@@ -166,101 +160,10 @@ def _become(words, folder, files, others) -> None:
     signal.signal(signal.SIGINT, signal.default_int_handler)
     import cv2
 
-    cv2.setNumThreads(-1)
-    if words == NURSERY:
-        listener, alive = os.dup(0), os.dup(1)
-        os.dup2(2, 1)
-        _be_nursery(listener, alive)
     from app.__main__ import main
 
-    _keep_nursery()
+    cv2.setNumThreads(-1)
     raise SystemExit(main())
-
-
-def _keep_nursery() -> None:
-    """Let processes of the program be copies, too, made by one that has no threads.
-
-    How they start is tested without a program; here each would cost what a program's start does.
-    """
-    with _nursery_socket() as listener:
-        alive, ours = os.pipe()
-        if not os.fork():
-            os.close(ours)
-            _be_nursery(listener.detach(), alive)
-        os.close(alive)
-        _ask_nursery(listener.getsockname(), ours)
-    _replace_starts()
-
-
-@contextmanager
-def copied_processes():
-    """Let processes that a test's own process starts be copies, for tests of what these do."""
-    from app import worker_process
-    from app.features.control import starting
-
-    begun = []
-
-    def begin() -> None:
-        if not begun:
-            alive, ours = os.pipe()
-            with _nursery_socket() as listener:
-                files = [listener.fileno(), alive, 2]
-                begun.extend((ours, _original().copy(NURSERY, Path.cwd(), files)))
-                _ask_nursery(listener.getsockname(), ours)
-            os.close(alive)
-
-    before = dict(vars(forkserver._forkserver))
-    _replace_starts(begin)
-    try:
-        yield
-    finally:
-        worker_process.multiprocessing = starting.multiprocessing = multiprocessing
-        vars(forkserver._forkserver).clear()
-        vars(forkserver._forkserver).update(before)
-        if begun:
-            ours, nursery = begun
-            os.close(ours)
-            os.waitpid(nursery, 0)
-
-
-def _nursery_socket() -> socket.socket:
-    listener = socket.socket(socket.AF_UNIX)
-    listener.bind(f"\0nursery {os.getpid()} {time.monotonic_ns()}")
-    listener.listen()
-    return listener
-
-
-def _be_nursery(listener: int, alive: int) -> None:
-    """Copy this process at each request, until whoever asks has ended."""
-    try:
-        # As ``children_deaf_to_ctrl_c`` has it.
-        signal.pthread_sigmask(signal.SIG_BLOCK, (signal.SIGINT,))
-        forkserver.main(listener, alive, ())
-    finally:
-        os._exit(0)
-
-
-def _ask_nursery(address: str | bytes, alive: int) -> None:
-    nursery = forkserver._forkserver
-    nursery._forkserver_address, nursery._forkserver_alive_fd = address, alive
-    nursery.ensure_running = resource_tracker.ensure_running  # it runs as long as this process
-
-
-def _replace_starts(begin: Callable[[], object] = bool) -> None:
-    """Let what would be begun anew be copied, if it is to have the usual environment."""
-    from app import worker_process
-    from app.features.control import starting
-
-    def get_context(way: str) -> BaseContext:
-        if way != "spawn" or (_usual and _usual != _environment()):
-            return multiprocessing.get_context(way)
-        begin()
-        return multiprocessing.get_context("forkserver")
-
-    replaced = SimpleNamespace(
-        get_context=get_context, parent_process=multiprocessing.parent_process
-    )
-    worker_process.multiprocessing = starting.multiprocessing = replaced
 
 
 def _get_warm() -> None:

@@ -22,7 +22,7 @@ from app.settings.config import Config
 from benchmarks.recovery import SEEDS, recover
 from robot.geometry import Pose2
 
-pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("copied_processes")]
+pytestmark = pytest.mark.slow
 
 PAUSE = PauseCommand(type="pause")
 SELDOM = SetParametersCommand(type="set_parameters", values={"update_min_d": 10})

@@ -32,7 +32,7 @@ from robot.geometry import Twist2
 from robot.interface import Frame
 from sim.simulated import PERIOD
 
-pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("copied_processes")]
+pytestmark = pytest.mark.slow
 
 START = CalibrateCommand(type="calibrate", start=True)
 CALIBRATE = CalibrateCommand(type="calibrate")

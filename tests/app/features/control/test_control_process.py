@@ -32,7 +32,7 @@ from robot.fields.field_loading import load_field
 from robot.geometry import Pose2
 from sim.simulated import PERIOD
 
-pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("copied_processes")]
+pytestmark = pytest.mark.slow
 
 
 @contextmanager

@@ -20,7 +20,7 @@ from app.settings.config import Config
 from sim.floor_camera import CameraSettings
 from sim.simulated import SimSettings
 
-pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("copied_processes")]
+pytestmark = pytest.mark.slow
 
 PICTURES_HZ, TICKS_HZ = 5.0, 50.0
 TICKS = 30

@@ -19,8 +19,6 @@ from app.features.course.class_command import as_csv, grade_class, submissions
 from app.features.lab.workers import LocalWorkers
 from robot.settings import SettingError
 
-pytestmark = pytest.mark.usefixtures("copied_processes")
-
 WRONG = next(item for item in WRITINGS if item.lesson == 1)
 FORKS = "import os\n\n\ndef odometry(pose, left, right, track):\n    os._exit(3)\n"
 

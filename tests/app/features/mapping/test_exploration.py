@@ -18,7 +18,7 @@ from app.messages.driving_commands import DriveCommand, StopCommand
 from robot.errors import CommandError
 from robot.geometry import Twist2
 
-pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("copied_processes")]
+pytestmark = pytest.mark.slow
 
 PAGE, OTHER = Driver("page 1"), Driver("page 2")
 START = ExploreCommand(type="explore", start=True)

@@ -23,7 +23,7 @@ from robot.errors import CommandError, NoMapError
 from robot.fields.field_loading import load_field
 from robot.fields.svg_field import field_of_drawing
 
-pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("copied_processes")]
+pytestmark = pytest.mark.slow
 
 
 @pytest.fixture

@@ -25,7 +25,7 @@ from sim.floor_camera import CameraSettings
 from sim.imperfections import Imperfections
 from sim.simulated import SimSettings
 
-pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("copied_processes")]
+pytestmark = pytest.mark.slow
 
 QUICK = Config(sim=SimSettings(camera=CameraSettings(frame_rate=8)), map="stub")
 """Few pictures: what is tested here is not how exact they are."""

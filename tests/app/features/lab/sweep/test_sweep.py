@@ -14,7 +14,7 @@ from app.features.lab.sweep.sweep_file import load_sweep
 from app.features.lab.workers import LocalWorkers, WorkerError
 from app.settings.config import Config, with_settings
 
-pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("copied_processes")]
+pytestmark = pytest.mark.slow
 
 QUICK = with_settings(
     Config(), {"sim.camera.frame_rate": 4.0, "localization.filter.filter": "particles"}

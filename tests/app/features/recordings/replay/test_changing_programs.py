@@ -32,7 +32,7 @@ from app.settings.groups import RecordingSettings
 from robot.errors import CommandError
 from robot.interface import RobotError
 
-pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("copied_processes")]
+pytestmark = pytest.mark.slow
 
 BACK_S = 30.0
 

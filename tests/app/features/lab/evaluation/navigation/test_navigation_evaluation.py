@@ -58,7 +58,6 @@ def test_what_cannot_be_evaluated_is_refused(wrong, words):
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("copied_processes")
 def test_a_robot_is_sent_to_goals_and_its_end_is_that_of_the_truth(tmp_path):
     file = tmp_path / "kinematic.toml"
     file.write_text('robot = "kinematic"\n')
