@@ -22,6 +22,12 @@ ORDERS = {
 }  # fmt: skip
 """Alphas that are taken for each other: all orders, and one that stands for two."""
 
+SHARED = {
+    "same-draw": (0, 0, 0), "same-rotations": (0, 1, 1), "same-first": (0, 0, 2),
+    "same-second": (0, 1, 0),
+}  # fmt: skip
+"""Of way, first and second rotation: whose random number each takes, where some are alike."""
+
 
 def sampled(
     poses: Array, moved: Array, alphas: Array, mistakes: frozenset[str], seed: int
@@ -100,8 +106,7 @@ def _noisy(
         noise = rng.uniform(-1, 1, (3, count))
     if "from-zero" in mistakes:
         noise = rng.random((3, count))
-    if "same-draw" in mistakes:
-        noise[:] = noise[0]
+    noise = noise[list(by_mistake(mistakes, SHARED, (0, 1, 2)))]
     if "positive" in mistakes:
         noise = np.abs(noise)
     made = np.array(step)[:, None] + deviations[:, None] * noise

@@ -65,6 +65,19 @@ FILTER = {
         "The numbers do not lie on the line where the weights lie end to end.",
         "Print where each weight ends on the line, and the numbers: both go from 0 to 1, and grow.",
     ),
+    "order-apart": Cause(
+        "Who survives has little to do with the weights.",
+        "The weights lie on the line in another order than the particles in their list: they were "
+        "sorted or turned round, and the particles were not.",
+        "Nothing has to be sorted. If you sort, take poses in the same order.",
+    ),
+    "start-anywhere": Cause(
+        "The last one of the list gets far too many copies, and the first ones too few.",
+        "The first number is anywhere between 0 and 1: with the steps, the others run beyond the "
+        "line's end.",
+        "The first number lies below 1/n, and n - 1 steps follow. For four particles: how far "
+        "does the last of them come?",
+    ),
     "steps-lost": Cause(
         "The first ones of the list survive, whatever they weigh.",
         "All numbers lie below 1/n: the steps from the first to the others are missing.",

@@ -129,6 +129,18 @@ MOTION = {
         "Left and right are exchanged in the turn.",
         "Theta grows anticlockwise: which wheel rolls farther when the robot turns left?",
     ),
+    "turn-one-way": Cause(
+        "The robot turns to the same side whichever wheel rolls farther.",
+        "The turn has lost its sign: only its size counts.",
+        "right - left is negative where the robot turns to the right, and has to stay so.",
+    ),
+    "half-for-way": Cause(
+        "The robot comes to the right place, and looks in a wrong direction there.",
+        "The half of the turn by which the way's direction is found is in the new heading, too, "
+        "or alone.",
+        "Half of the turn is for x and y; the new heading is the old one plus the whole turn, "
+        "once.",
+    ),
     "track": Cause(
         "Each turn is too large or too small by the same factor.",
         "The difference of the wheels is divided by something else than the track.",
@@ -188,8 +200,8 @@ MOTION = {
         "Use rng.standard_normal, as it is.",
     ),
     "same-draw": Cause(
-        "The cloud is a line instead of a banana.",
-        "One random number serves for rotations and way at once.",
+        "The cloud has another shape: errors that have nothing to do with each other go along.",
+        "One random number serves for two or three of rotation, way and rotation.",
         "Draw three times for each particle.",
     ),
 }

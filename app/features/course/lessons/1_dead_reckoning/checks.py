@@ -48,6 +48,8 @@ TURNS = {
     "turn-to-radians": math.pi / 180,
 }
 DIRECTIONS = {"new-heading": 1.0, "old-heading": 0.0}
+SHARES = {"middle-returned": 0.5, "half-more": 1.5}
+"""How much of the turn is in the heading that comes back, where half of it is for the way."""
 
 
 def cases(seed: int) -> list[Case]:
@@ -110,6 +112,7 @@ def expected(case: Case, mistakes: frozenset[str]) -> Array:
     x, y = way * math.cos(along_x), way * math.sin(along_y)
     if "sine-first" in mistakes:
         x, y = y, x
+    turn *= next((share for name, share in SHARES.items() if name in mistakes), 1.0)
     theta = turn if "heading-lost" in mistakes else pose[2] + turn
     if "from-zero" in mistakes:
         return np.array([x, y, math.cos(theta), math.sin(theta)])
@@ -249,7 +252,8 @@ CHECKS = Checks(
         Hypothesis("turn-left-alone", "one-wheel-turns", frozenset(TURNS)),
         Hypothesis("turn-times-track", "track", frozenset(TURNS)),
         Hypothesis("turn-undivided", "track", frozenset(TURNS)),
-        Hypothesis("turn-one-way", "turn-sign", frozenset(TURNS)),
+        Hypothesis("turn-one-way", "turn-one-way", frozenset(TURNS)),
+        *(Hypothesis(name, "half-for-way", frozenset(SHARES)) for name in SHARES),
     ),
     signs=signs,
     show=show,
