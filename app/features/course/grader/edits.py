@@ -134,9 +134,7 @@ class Edit:
             getattr(self.parent, self.part)[self.index] = self._old
 
 
-def mended(
-    source: str, functions: Iterable[str], cause: str = ""
-) -> Iterator[tuple[Edit, str]]:
+def mended(source: str, functions: Iterable[str], cause: str = "") -> Iterator[tuple[Edit, str]]:
     """Yield changed programs, the likeliest slips first; each with what was changed.
 
     Args:

@@ -36,11 +36,11 @@ def sampled(
     dx, dy, turn = moved
     if "stays" in mistakes and dx == 0:
         return poses.copy()
-    back = dx < 0 and "reverse-turns" not in mistakes
+    zero_back = mistakes & {"zero-back", "zero-back-whole"}
+    back = (dx <= 0 if zero_back else dx < 0) and "reverse-turns" not in mistakes
     way, rot1 = _first_part(dx, dy, mistakes, back=back)
-    rot2 = wrap_angle(
-        by_mistake(mistakes, {"whole-turn": turn, "turns-added": turn + rot1}, turn - rot1)
-    )
+    rot2 = by_mistake(mistakes, {"whole-turn": turn, "turns-added": turn + rot1}, turn - rot1)
+    rot2 = rot2 if "zero-back-whole" in mistakes else wrap_angle(rot2)
     way = by_mistake(mistakes, {"back-ahead": abs(way), "ahead-alone": dx}, way)
     way_hat, rot1_hat, rot2_hat = _noisy((way, rot1, rot2), alphas, len(poses), mistakes, seed)
     heading = poses[:, 2]

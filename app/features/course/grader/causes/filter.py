@@ -88,6 +88,11 @@ FILTER = {
         "The steps along the line are not 1/n.",
         "n numbers, each 1/n farther than the one before: all of them lie below 1.",
     ),
+    "undrawn": Cause(
+        "The last one of the list survives each time, whatever it weighs.",
+        "One survivor too few is drawn, and the last particle takes its place.",
+        "All n survivors are drawn: n numbers on the line, and none but those.",
+    ),
     "light-lost": Cause(
         "What seems unlikely now is forgotten for good.",
         "Particles that are lighter than the average never survive.",
@@ -163,6 +168,12 @@ FILTER = {
         "A robot that was carried off is found very late.",
         "Only one particle is new, however many are due.",
         "Each particle is replaced by itself: which index does the new one get?",
+    ),
+    "part-of-all": Cause(
+        "The estimate is drawn towards other places.",
+        "A part of it, the heading or x and y, is the mean of all particles, not only of those of "
+        "the heaviest one's place.",
+        "Average x, y, cosines and sines of the same particles, with the same weights.",
     ),
     "heading-of-one": Cause(
         "The estimate's heading jumps from scan to scan.",
@@ -297,6 +308,11 @@ FILTER = {
         "It reacts too late, or to nothing.",
         "The memories are not what they should be after this fit, or are used before.",
         "memory.slow += 0.05 * (fit - memory.slow); the fast one likewise, with 0.5.",
+    ),
+    "memory-falls-alone": Cause(
+        "Once the fit was bad, the filter does not trust good scans again.",
+        "Where the fit is as good as before, or better, the memories do not take it.",
+        "Update both memories at each call, first of all; then decide whether new particles come.",
     ),
     "memory-unstored": Cause(
         "It reacts to one picture alone, or to nothing.",

@@ -56,6 +56,11 @@ MOTION = {
         "Where both wheels roll alike, the pose stays as it was.",
         "A way without a turn is still a way: what does your code do where the turn is 0?",
     ),
+    "spin-lost": Cause(
+        "The robot drives and takes arcs, but never turns on the spot.",
+        "Where the middle of the axle stays, the pose stays as it was.",
+        "A turn without a way is still a turn: what does your code do where the way is 0?",
+    ),
     "turn-summed": Cause(
         "Driving straight ahead turns the robot.",
         "The turn is made of the sum of the wheels' ways, not of their difference.",
@@ -85,6 +90,12 @@ MOTION = {
         "Backing drives the cloud ahead.",
         "A step backwards has a positive way.",
         "For a step with dx < 0 let the way be negative.",
+    ),
+    "zero-back": Cause(
+        "The cloud bursts while the robot turns on the spot.",
+        "A step without a way counts as one backwards: half a turn to its end, and half a turn "
+        "back, with their noise.",
+        "Backwards is dx < 0 alone: atan2(-0.0, -0.0) is -π, and not 0.",
     ),
     "back-twice": Cause(
         "Backing drives the cloud ahead.",

@@ -209,6 +209,17 @@ SENSOR = {
         "Infinite ranges are used as if something were there.",
         "Leave those rays out: np.isfinite(ranges) tells which have a return.",
     ),
+    "one-side": Cause(
+        "All that is seen lies on the same side of the robot.",
+        "The bearing has lost its sign: acos, a root and abs give none.",
+        "To the left is positive, to the right negative: arctan2(y, x) keeps the sign of y.",
+    ),
+    "bearings-unpaired": Cause(
+        "Where one ray has no return, the others look elsewhere.",
+        "Ranges without a return are left out, but their bearings are not: from there on each "
+        "range has the bearing of another ray.",
+        "Leave both out: seen = np.isfinite(ranges), then bearings[seen] and ranges[seen].",
+    ),
     "left-right": Cause(
         "The robot sees everything mirrored.",
         "A pixel on the right becomes a bearing to the left.",

@@ -25,6 +25,12 @@ STEERING = {
         "How far the goal is away is not the length of (dx, dy).",
         "Nearer than 10 mm means a circle: math.hypot(dx, dy) < 0.01.",
     ),
+    "distance": Cause(
+        "Beside its way, the robot aims at another point than it should.",
+        "How far a point is away is not the length of (dx, dy): both are added, or the larger one "
+        "is taken.",
+        "Points that are equally far away lie on a circle: math.hypot(dx, dy).",
+    ),
     "look-behind": Cause(
         "The robot turns around and drives back to where it came from.",
         "The look-ahead point lies behind the robot.",

@@ -114,6 +114,7 @@ def expected(case: Case, mistakes: frozenset[str]) -> Array:
     gain = next((rule(delay) for name, rule in GAINS.items() if name in mistakes), GAIN / delay)
     dx, dy = np.abs(goal[:2] - pose[:2]).tolist()
     nears = {"goal-x": dx, "goal-y": dy, "goal-square": max(dx, dy), "goal-sum": dx + dy}
+    nears |= {"all-square": max(dx, dy), "all-sum": dx + dy}
     near = next((each for name, each in nears.items() if name in mistakes), math.hypot(dx, dy))
     arrived = near < THERE_M and "no-goal" not in mistakes
     own = 0.0 if "goal-heading-alone" in mistakes else pose[2]
@@ -144,7 +145,7 @@ def _speed(case: Case, error: float, arrived: bool, mistakes: frozenset[str]) ->
 def _target(case: Case, mistakes: frozenset[str]) -> int:
     """Return which point of the way is aimed at."""
     pose, path, _, _, ahead, _ = case.arguments
-    away = np.hypot(*(path - pose[:2]).T)
+    away = _distances(path, pose, mistakes)
     nearest = int(away.argmin())
     ahead = math.sqrt(ahead) if "ahead-rooted" in mistakes else ahead
     far = nearest + np.flatnonzero(away[nearest:] > ahead)
@@ -171,6 +172,16 @@ def _target(case: Case, mistakes: frozenset[str]) -> int:
         within = np.flatnonzero(away <= ahead)
         target = int(within[-1]) if len(within) else nearest
     return target
+
+
+def _distances(path: Array, pose: Array, mistakes: frozenset[str]) -> Array:
+    """Return how far the points (n, 2) of a way are from a pose (n,) [m]."""
+    apart = np.abs(path - pose[:2])
+    if mistakes & {"path-sum", "all-sum"}:
+        return np.asarray(apart.sum(axis=1))
+    if mistakes & {"path-square", "all-square"}:
+        return np.asarray(apart.max(axis=1))
+    return np.hypot(*apart.T)
 
 
 def _bearing(case: Case, mistakes: frozenset[str]) -> float:
@@ -237,6 +248,10 @@ CHECKS = Checks(
         *(
             Hypothesis(name, "goal-place")
             for name in ("goal-x", "goal-y", "goal-square", "goal-sum")
+        ),
+        *(
+            Hypothesis(name, "distance")
+            for name in ("path-sum", "all-sum", "path-square", "all-square")
         ),
         Hypothesis("goal-heading-alone", "own-heading", kind="goal"),
         Hypothesis("from-start", "look-behind", frozenset(TARGETS)),

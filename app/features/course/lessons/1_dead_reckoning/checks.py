@@ -104,6 +104,7 @@ def expected(case: Case, mistakes: frozenset[str]) -> Array:
     if "turn-undivided" in mistakes:
         turn = right - left
     turn = abs(turn) if "turn-one-way" in mistakes else turn
+    turn = 0.0 if "spin-kept" in mistakes and left == -right else turn
     turn *= next((share for name, share in TURNS.items() if name in mistakes), 1.0)
     way = 0.0 if "straight-kept" in mistakes and left == right else way
     direction = _direction(float(pose[2]), turn, mistakes)
@@ -244,6 +245,7 @@ CHECKS = Checks(
         Hypothesis("old-heading-y", "old-heading"),
         Hypothesis("turn-lost", "turn-lost"),
         Hypothesis("straight-kept", "straight-lost"),
+        Hypothesis("spin-kept", "spin-lost"),
         Hypothesis("x-kept", "axis-lost"),
         Hypothesis("y-kept", "axis-lost"),
         Hypothesis("sine-negative", "slip-sign", broad=True),

@@ -131,7 +131,12 @@ def expected(case: Case, mistakes: frozenset[str]) -> Array:
     poses = np.repeat(poses[:1], len(poses), axis=0) if "first-guess" in mistakes else poses
     poses = np.repeat(poses[-1:], len(poses), axis=0) if "last-guess" in mistakes else poses
     seen = np.isfinite(ranges)
-    x, y = ends(poses, bearings[seen], ranges[seen], mistakes)
+    kept_bearings = bearings[seen]
+    if "bearings-from-first" in mistakes:
+        kept_bearings = bearings[: seen.sum()]
+    if "bearings-to-last" in mistakes:
+        kept_bearings = bearings[(~seen).sum() :]
+    x, y = ends(poses, kept_bearings, ranges[seen], mistakes)
     away = distances(x, y, field, mistakes)
     if "nearest" in mistakes:
         clearance = distances(poses[:, :1], poses[:, 1:2], field, mistakes)
@@ -343,6 +348,8 @@ CHECKS = Checks(
         Hypothesis("averaged", "sum", JOINTS),
         Hypothesis("plain-mean", "sum", JOINTS),
         Hypothesis("zero-range", "no-return", kind="no-return"),
+        Hypothesis("bearings-from-first", "bearings-unpaired", kind="no-return"),
+        Hypothesis("bearings-to-last", "bearings-unpaired", kind="no-return"),
         Hypothesis("stops-early", "stops-early", kind="no-return"),
     ),
     signs=signs,

@@ -324,6 +324,8 @@ CHECKS = Checks(
         Hypothesis("turn-lost", "turn-lost"),
         Hypothesis("turns-added", "second-turn"),
         Hypothesis("back-ahead", "back-ahead"),
+        Hypothesis("zero-back", "zero-back", kind="spin-noise"),
+        Hypothesis("zero-back-whole", "zero-back", kind="spin-noise"),
         Hypothesis("ahead-alone", "way-length"),
         Hypothesis("direction-swapped-back", "arctan"),
         Hypothesis("half-turned", "back-twice", kind="back"),

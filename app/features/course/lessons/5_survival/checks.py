@@ -119,6 +119,16 @@ def _stepped(weights: Array, parts: float) -> Array:
     return np.bincount(drawn.ravel(), minlength=count) / points.size
 
 
+def _with_last(weights: Array) -> Array:
+    """Return the copies' shares where the last number's survivor gives way to the last particle."""
+    count = len(weights)
+    points = (STARTS[:, None] + np.arange(count - 1)) / count
+    drawn = np.searchsorted(np.cumsum(weights), points).clip(0, count - 1)
+    copies = np.bincount(drawn.ravel(), minlength=count) / len(STARTS)
+    copies[-1] += 1
+    return copies / count
+
+
 RULES: dict[str, Callable[[Array], Array]] = {
     "next-one": lambda weights: _shifted(weights, 1),
     "one-before": lambda weights: _shifted(weights, -1),
@@ -130,10 +140,11 @@ RULES: dict[str, Callable[[Array], Array]] = {
     "roots": lambda weights: np.sqrt(weights) / np.sqrt(weights).sum(),
     "longer-steps": lambda weights: _stepped(weights, len(weights) - 1),
     "shorter-steps": lambda weights: _stepped(weights, len(weights) + 1),
+    "last-added": _with_last,
     "no-steps": lambda weights: _stepped(weights, np.inf),
 }
 ORDERS: tuple[Callable[[Array], Indices], ...] = (
-    lambda weights: np.argsort(weights),
+    np.argsort,
     lambda weights: np.argsort(weights)[::-1],
     lambda weights: np.arange(len(weights))[::-1],
 )
@@ -301,6 +312,7 @@ CHECKS = Checks(
         Hypothesis("longer-steps", "steps", ALL),
         Hypothesis("shorter-steps", "steps", ALL),
         Hypothesis("no-steps", "steps-lost", ALL),
+        Hypothesis("last-added", "undrawn", ALL, broad=True),
     ),
     signs=signs,
     show=show,

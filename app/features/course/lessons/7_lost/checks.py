@@ -220,8 +220,10 @@ def _mean(poses: Array, weights: Array, mistakes: frozenset[str]) -> Array:
         "half-arctan": math.atan(toward.imag / toward.real) if toward.real else 0.0,
         "heading-largest": poses[near, 2].max(),
         "turn-alone": float(share @ offsets[:, 2]),
+        "heading-all": float(np.angle(weights @ np.exp(1j * poses[:, 2]))),
     }
     place = best[:2] if "place-best" in mistakes else place
+    place = weights @ poses[:, :2] / weights.sum() if "place-all" in mistakes else place
     place = place[::-1] if "xy" in mistakes else place
     return np.array([*place, by_mistake(mistakes, headings, math.atan2(toward.imag, toward.real))])
 
@@ -395,6 +397,8 @@ CHECKS = Checks(
         *(Hypothesis(name, "heading-of-one") for name in ("heading-best", "heading-largest")),
         Hypothesis("turn-alone", "turn-alone"),
         Hypothesis("place-best", "place-of-one"),
+        Hypothesis("heading-all", "part-of-all", kind="places"),
+        Hypothesis("place-all", "part-of-all", kind="places"),
         Hypothesis("heading-even", "weights-ignored"),
         Hypothesis("half-arctan", "half-arctan"),
     ),
