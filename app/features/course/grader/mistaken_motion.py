@@ -41,7 +41,14 @@ def sampled(
     way, rot1 = _first_part(dx, dy, mistakes, back=back)
     rot2 = by_mistake(mistakes, {"whole-turn": turn, "turns-added": turn + rot1}, turn - rot1)
     rot2 = rot2 if "zero-back-whole" in mistakes else wrap_angle(rot2)
-    way = by_mistake(mistakes, {"back-ahead": abs(way), "ahead-alone": dx}, way)
+    ways = {
+        "back-ahead": abs(way),
+        "ahead-alone": dx,
+        "way-summed": dx + dy,
+        "way-sizes": math.copysign(abs(dx) + abs(dy), way),
+        "way-squared": math.copysign(way**2, way),
+    }
+    way = by_mistake(mistakes, ways, way)
     way_hat, rot1_hat, rot2_hat = _noisy((way, rot1, rot2), alphas, len(poses), mistakes, seed)
     heading = poses[:, 2]
     thetas = {
@@ -59,9 +66,16 @@ def sampled(
     if "not-turned" in mistakes:
         angle = angle - poses[:, 2]
     along = {name: angle - poses[:, 2] for name in ("x", "y") if f"not-turned-{name}" in mistakes}
-    x, y = way_hat * np.cos(along.get("x", angle)), way_hat * np.sin(along.get("y", angle))
-    if "sine-first" in mistakes:
-        x, y = y, x
+    functions = {
+        "sine-first": (np.sin, np.cos),
+        "cosine-twice": (np.cos, np.cos),
+        "sine-twice": (np.sin, np.sin),
+    }
+    x_of, y_of = by_mistake(mistakes, functions, (np.cos, np.sin))
+    x, y = way_hat * x_of(along.get("x", angle)), way_hat * y_of(along.get("y", angle))
+    if "ways-apart" in mistakes:
+        other = _noisy((way, rot1, rot2), alphas, len(poses), mistakes, seed + 1)[0]
+        y = other * y_of(angle)
     if "one-particle" in mistakes:
         return np.column_stack([poses[0, 0] + x, poses[0, 1] + y, theta])
     if "place-lost" in mistakes:

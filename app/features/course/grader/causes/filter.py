@@ -109,6 +109,11 @@ FILTER = {
         "How many copies a particle gets is rounded, and nothing left to chance.",
         "A particle that is due half a copy gets one in every second draw: chance decides.",
     ),
+    "by-rank": Cause(
+        "The same ones survive in each draw, and one without any weight can be among them.",
+        "Who survives is decided by an order of the particles, not by chance and weight.",
+        "Nobody is safe, and nobody lost: each survives as often as its weight says.",
+    ),
     "best-only": Cause(
         "One particle stands for the whole cloud.",
         "Only the heaviest particle is used.",
@@ -199,6 +204,12 @@ FILTER = {
         "There are particles that nobody put there.",
         "Poses are changed that should only be copied.",
         "Copy poses as they are; noise belongs to the motion.",
+    ),
+    "half-replaced": Cause(
+        "Some particles are half old and half new.",
+        "It is decided for x, y and heading apart which of them are replaced.",
+        "One random number for each particle: rng.random(len(poses)). A particle is replaced as a "
+        "whole.",
     ),
     "order": Cause(
         "The scan is compared with where the robot was before.",

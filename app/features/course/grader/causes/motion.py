@@ -115,9 +115,9 @@ MOTION = {
         "The robot turns by the difference of both wheels' ways: right minus left.",
     ),
     "way-length": Cause(
-        "On arcs the cloud does not come far enough.",
+        "On arcs the cloud comes too far, or not far enough.",
         "The way is not the length of the step.",
-        "The step goes dx ahead and dy to the side: how long is that?",
+        "The step goes dx ahead and dy to the side: how long is that? hypot(dx, dy).",
     ),
     "old-heading": Cause(
         "On arcs the path drifts outwards.",
@@ -161,6 +161,11 @@ MOTION = {
         "The robot drives to the side instead of ahead.",
         "Sine and cosine are exchanged.",
         "At heading 0 the robot looks along x. Which of the two is 1 there?",
+    ),
+    "same-function": Cause(
+        "All go along one diagonal, wherever they look.",
+        "x and y take the same function of the heading: cosine twice, or sine twice.",
+        "At heading 0 nothing goes along y: x takes the cosine, y the sine.",
     ),
     "start-lost": Cause(
         "Each step begins at the origin again.",

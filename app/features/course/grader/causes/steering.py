@@ -86,6 +86,11 @@ STEERING = {
         "A squared distance is compared with `ahead` itself.",
         "Compare a distance with ahead, or its square with ahead**2.",
     ),
+    "limited": Cause(
+        "The robot turns or drives more slowly than it should where much is to be done.",
+        "Speed or turning speed is cut off at a limit, which the lesson does not have.",
+        "Return gain · error and speed · cos(error) as they are.",
+    ),
     "full-speed": Cause(
         "The robot drives off while it looks in another direction, and comes back in a wide bow.",
         "The speed does not heed the error.",

@@ -197,7 +197,11 @@ def _bearing(case: Case, mistakes: frozenset[str]) -> float:
 
 
 def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
-    """A gain that is another one, whichever: the speed is right, and all turns are off alike."""
+    """A limit of speed or turn; a gain that is another one, whichever: the speed is right, and all
+    turns are off alike."""
+    if limited := _limited(outcomes):
+        yield Sign("limited", limited)
+        return
     shares, plain, shown = [], [], None
     for outcome in outcomes:
         given, due = features(outcome), expected(outcome.case, frozenset())
@@ -212,6 +216,22 @@ def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
         if shown and alike and each[0] > 0 and not math.isclose(shares[0], 1.0):
             yield Sign("gain-delay", shown)
             return
+
+
+def _limited(outcomes: Sequence[Outcome]) -> Outcome | None:
+    """Return a case whose speed or turn is cut off, if that is all that is wrong; or None."""
+    pairs = [(item, features(item), expected(item.case, frozenset())) for item in outcomes]
+    wrong = [each for each in pairs if np.abs(each[1] - each[2]).max() > 1e-6]
+    for axis in (0, 1):
+        sizes = [abs(given[axis]) for _, given, _ in wrong]
+        if len(wrong) < 2 or np.ptp(sizes) > 1e-9 or sizes[0] == 0:
+            continue
+        cut = [due.copy() for _, _, due in pairs]
+        for due in cut:
+            due[axis] = np.clip(due[axis], -sizes[0], sizes[0])
+        if all(np.abs(due - each[1]).max() <= 1e-6 for due, each in zip(cut, pairs, strict=True)):
+            return wrong[0][0]
+    return None
 
 
 def show(_case: Case, values: Array) -> str:

@@ -326,7 +326,13 @@ CHECKS = Checks(
         Hypothesis("back-ahead", "back-ahead"),
         Hypothesis("zero-back", "zero-back", kind="spin-noise"),
         Hypothesis("zero-back-whole", "zero-back", kind="spin-noise"),
-        Hypothesis("ahead-alone", "way-length"),
+        *(
+            Hypothesis(name, "way-length")
+            for name in ("ahead-alone", "way-summed", "way-sizes", "way-squared")
+        ),
+        Hypothesis("cosine-twice", "same-function"),
+        Hypothesis("sine-twice", "same-function"),
+        Hypothesis("ways-apart", "noise-on-place", kind="noise"),
         Hypothesis("direction-swapped-back", "arctan"),
         Hypothesis("half-turned", "back-twice", kind="back"),
         Hypothesis("proportional", "variances", SIZES),

@@ -196,8 +196,8 @@ def _survivors(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
         yield Sign("start-anywhere", unlike[0])
         return
     fixed = [item for item in unlike if _is_fixed(item)]
-    if fixed and len(fixed) == len(unlike) and not wrong:
-        yield Sign("copies-fixed", fixed[0])
+    if fixed and len(fixed) == len(unlike):
+        yield Sign("by-rank" if wrong else "copies-fixed", fixed[0])
         return
     if unlike and not wrong:
         light = all(_is_light_lost(item) for item in unlike)

@@ -242,7 +242,7 @@ def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
             continue
         values = features(outcome)
         if values[4] > 0:
-            yield Sign("invented", outcome)
+            yield Sign("half-replaced" if _is_mixed(outcome) else "invented", outcome)
         if outcome.case.kind == "seeds" and 0 < values[0] < 1:
             yield from generator_signs(
                 outcome, [np.asarray(answer.result) for answer in outcome.answers]
@@ -265,6 +265,13 @@ def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
     fine = [item for item in memories if item.case.kind in ("steady", "better")]
     yield from (Sign("ratio", item) for item in fine if features(item)[0] > 0)
     yield from _shares(worse)
+
+
+def _is_mixed(outcome: Outcome) -> bool:
+    """Return whether each number of each particle is the old one or a new one, but not together."""
+    given, old = np.asarray(outcome.result), outcome.case.arguments[0]
+    new = np.column_stack([given[:, 0] >= AWAY, np.abs(given[:, 1:] - NEW_POSE) < 1e-9])
+    return bool((new | (np.abs(given - old) < 1e-9)).all())
 
 
 def _shares(worse: Sequence[Outcome]) -> Iterator[Sign]:
