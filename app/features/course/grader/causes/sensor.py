@@ -111,10 +111,10 @@ SENSOR = {
     ),
     "all-missed": Cause(
         "All weights stay equal: each ray counts as one that ended at a shoe.",
-        "The distances that are looked up are far too large, as where metres are taken for cells, or "
-        "the curve is far too narrow.",
-        "How many cells are 0.5 m, at 0.01 m a cell? Print row, column and distance of one ray, then "
-        "its likelihood.",
+        "The distances that are looked up are far too large, as where metres are taken for cells, "
+        "or the curve is far too narrow.",
+        "How many cells are 0.5 m, at 0.01 m a cell? Print row, column and distance of one ray, "
+        "then its likelihood.",
     ),
     "place-axes": Cause(
         "Particles are weighed as if they were elsewhere.",

@@ -23,6 +23,12 @@ LIKELY = 6.0
 STARTS = (np.arange(500) + 0.5) / 500
 """First numbers over which copies are averaged, as shares of 1/n."""
 Indices = NDArray[np.intp]
+ORDERS: tuple[Callable[[Array], Indices], ...] = (
+    np.argsort,
+    lambda weights: np.argsort(weights)[::-1],
+    lambda weights: np.arange(len(weights))[::-1],
+)
+"""Orders in which weights are laid on the line while the particles keep theirs."""
 UNLIKE = -1
 """Index of a particle that was not among those given."""
 SHARED = Words("Two of the particles that come back are one and the same in memory.")
@@ -143,12 +149,6 @@ RULES: dict[str, Callable[[Array], Array]] = {
     "last-added": _with_last,
     "no-steps": lambda weights: _stepped(weights, np.inf),
 }
-ORDERS: tuple[Callable[[Array], Indices], ...] = (
-    np.argsort,
-    lambda weights: np.argsort(weights)[::-1],
-    lambda weights: np.arange(len(weights))[::-1],
-)
-"""Orders in which weights are laid on the line while the particles keep theirs."""
 
 
 def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
