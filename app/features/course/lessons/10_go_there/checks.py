@@ -181,7 +181,7 @@ def _distances(path: Array, pose: Array, mistakes: frozenset[str]) -> Array:
         return np.asarray(apart.sum(axis=1))
     if mistakes & {"path-square", "all-square"}:
         return np.asarray(apart.max(axis=1))
-    return np.hypot(*apart.T)
+    return np.asarray(np.hypot(*apart.T))
 
 
 def _bearing(case: Case, mistakes: frozenset[str]) -> float:
