@@ -84,11 +84,11 @@ def _findings(
         yield _failure(lesson, StudentError(f"there is no function {missing[0]}"))
         return
     measured, failures = measure(process, lesson, checks.cases(seed))
+    altered = list(_altered(lesson, measured))
     try:
-        named, sure = _named(process, lesson, measured, clock)
+        named, sure = _named(process, lesson, measured, clock, altered=bool(altered))
     except FormError as error:  # what only the search for causes looks at
         named, sure = [_finding(lesson, "form", measured[0].case, error.words)], True
-    altered = list(_altered(lesson, measured))
     # What is not known for sure may follow from arrays that were written over.
     yield from (*named, *altered) if sure else (*altered, *named)
     causes = {flaw.cause for flaw in named}
@@ -120,11 +120,21 @@ def measure(
 
 
 def _named(
-    process: StudentProcess, lesson: Lesson, measured: Sequence[Measured], clock: FileClock
+    process: StudentProcess,
+    lesson: Lesson,
+    measured: Sequence[Measured],
+    clock: FileClock,
+    *,
+    altered: bool,
 ) -> tuple[list[Flaw], bool]:
     """Return what is named, and whether it is known for sure."""
-    diagnoses = diagnose(lesson.checks, measured)
     failed = [item for item in measured if not item.passed]
+    if failed and altered:
+        # Whatever the results look like may follow from an array that has two names.
+        change = mend(process, lesson.checks, measured, clock, "same-array")
+        if change is not None:
+            return [_slip(lesson, change, failed[0])], True
+    diagnoses = diagnose(lesson.checks, measured)
     sure = not failed or any(item.certain for item in diagnoses)
     if not sure:
         remembered = _remembered(process, lesson, measured)

@@ -83,14 +83,21 @@ def _lenient(function: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def mend(
-    student: StudentProcess, checks: Checks, measured: Sequence[Measured], clock: FileClock
+    student: StudentProcess,
+    checks: Checks,
+    measured: Sequence[Measured],
+    clock: FileClock,
+    cause: str = "",
 ) -> Mended | None:
-    """Return the first small change with which all measured cases pass; None if there is none."""
+    """Return the first small change with which all measured cases pass; None if there is none.
+
+    Only changes of a cause are tried, if one is given.
+    """
     order = _quick_first(measured)
     if not order:
         return None
     try:
-        changes = _limited(student.source, checks, order[0])
+        changes = _limited(student.source, checks, order[0], cause)
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         return None
     end = time.thread_time() + SEARCH_S
@@ -121,10 +128,13 @@ def _cost(case: Case) -> tuple[int, int]:
     return max(1, len(case.seeds)), sum(sizes)
 
 
-def _limited(source: str, checks: Checks, first: Measured) -> Iterator[tuple[Edit, str]]:
+def _limited(
+    source: str, checks: Checks, first: Measured, cause: str
+) -> Iterator[tuple[Edit, str]]:
     calls, numbers = _cost(first.case)
     slow = calls > SLOW_CALLS or numbers > SLOW_NUMBERS
-    return islice(mended(source, checks.functions), MOST_SLOW if slow else MOST_CHANGES)
+    changes = mended(source, checks.functions, cause)
+    return islice(changes, MOST_SLOW if slow else MOST_CHANGES)
 
 
 def _passes(

@@ -114,8 +114,8 @@ WRITINGS = [
          ("((y - field.origin[1]) / field.cell)", "(y / field.cell)")],
         [("(x - field.origin[0]) // field.cell", "x // field.cell"),
          ("(y - field.origin[1]) // field.cell", "y // field.cell")],
-        [("(ends.real - field.origin[0])", "(ends.real + field.origin[0])"),
-         ("(ends.imag - field.origin[1])", "(ends.imag + field.origin[1])")],
+        [("(ends.real - field.origin[0])", "ends.real"),
+         ("(ends.imag - field.origin[1])", "ends.imag")],
     ),
     *_three(
         "S6", 3,

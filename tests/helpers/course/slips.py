@@ -18,7 +18,7 @@ SLIPS: list[tuple[str, int, list[tuple[str, str]]]] = [
     ("variances", 4, [("(rot1**2 + rot2**2)", "(rot1 + rot2)**2")]),
     ("arctan", 4, [("np.arctan2(sign * dy, sign * dx)", "np.arctan2(dx, dy) if dx >= 0 else np.arctan2(-dy, -dx)")]),
     ("line", 5, [("np.cumsum(weights)", "weights")]),
-    ("slip-brackets", 5, [("(rng.random() + np.arange(n)) / n", "rng.random() + np.arange(n) / n")]),
+    ("start-anywhere", 5, [("(rng.random() + np.arange(n)) / n", "rng.random() + np.arange(n) / n")]),
     ("weights-ignored", 5, [("np.searchsorted(np.cumsum(weights), places).clip(0, n - 1)", "rng.integers(0, n, n)")]),
     ("no-chance", 5, [("(rng.random() + np.arange(n)) / n", "(0.5 + np.arange(n)) / n")]),
     ("order", 6, [("    poses = parts.motion(poses, moved)\n    fits = parts.log_weight(poses, scan)\n", "    fits = parts.log_weight(poses, scan)\n    poses = parts.motion(poses, moved)\n")]),

@@ -29,7 +29,7 @@ OPPOSITE: dict[type[ast.AST], tuple[type[ast.AST], ...]] = {
     ast.Eq: (ast.NotEq, ast.Lt, ast.Gt),
 }
 RANKS = (
-    "sine", "S4", "arctan", "half-cell", "slip-comparison", "slip-range", "slip-sign",
+    "same-array", "sine", "S4", "arctan", "half-cell", "slip-comparison", "slip-range", "slip-sign",
     "slip-brackets", "slip-loop", "slip-order", "slip-operator", "slip-function", "slip-number",
     "slip-too-much", "slip-name", "slip-missing",
 )  # fmt: skip
@@ -134,18 +134,24 @@ class Edit:
             getattr(self.parent, self.part)[self.index] = self._old
 
 
-def mended(source: str, functions: Iterable[str]) -> Iterator[tuple[Edit, str]]:
+def mended(source: str, functions: Iterable[str], cause: str = "") -> Iterator[tuple[Edit, str]]:
     """Yield changed programs, the likeliest slips first; each with what was changed.
 
     Args:
         source: a program that Python can read.
         functions: where changes are made; and in what these call.
+        cause: the only one whose changes are wanted; empty is any.
     """
     tree = ast.parse(source)
     parts = [ast.unparse(item) for item in tree.body]
     places = _reached(tree, functions)
     candidates = sorted(
-        (edit for place in places for edit in _edits(tree.body[place])),
+        (
+            edit
+            for place in places
+            for edit in _edits(tree.body[place])
+            if cause in ("", edit.cause)
+        ),
         key=_rank,
     )
     home = {id(inner): place for place in places for inner in ast.walk(tree.body[place])}
@@ -427,6 +433,8 @@ def _expressions(
     values: list[ast.expr],
 ) -> Iterator[Edit]:
     place = _Place(parent, part, index, getattr(child, "lineno", 0))
+    if isinstance(parent, ast.Assign | ast.For) and part in ("value", "iter"):
+        yield from _copies(place, child)
     if not isinstance(getattr(child, "ctx", ast.Load()), ast.Load):
         return
     if isinstance(child, ast.Slice | ast.Starred | ast.Lambda):
@@ -442,6 +450,13 @@ def _expressions(
         yield from _terms(place, child, values)
         yield from _named(place, child, names)
         yield from _more(place, child)
+
+
+def _copies(place: _Place, child: ast.expr) -> Iterator[Edit]:
+    """Make a copy of what gets a second name, or whose parts get names: an array, or a part."""
+    if isinstance(child, ast.Name | ast.Subscript):
+        copied = ast.Call(ast.Attribute(child, "copy", ast.Load()), [], [])
+        yield place.edit("same-array", phrase("a copy"), ("copy",), copied)
 
 
 def _functions(place: _Place, child: ast.expr) -> Iterator[Edit]:

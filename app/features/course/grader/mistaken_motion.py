@@ -22,6 +22,12 @@ ORDERS = {
 }  # fmt: skip
 """Alphas that are taken for each other: all orders, and one that stands for two."""
 
+SHARED = {
+    "same-draw": (0, 0, 0), "same-rotations": (0, 1, 1), "same-first": (0, 0, 2),
+    "same-second": (0, 1, 0),
+}  # fmt: skip
+"""Of way, first and second rotation: whose random number each takes, where some are alike."""
+
 
 def sampled(
     poses: Array, moved: Array, alphas: Array, mistakes: frozenset[str], seed: int
@@ -30,12 +36,19 @@ def sampled(
     dx, dy, turn = moved
     if "stays" in mistakes and dx == 0:
         return poses.copy()
-    back = dx < 0 and "reverse-turns" not in mistakes
+    zero_back = mistakes & {"zero-back", "zero-back-whole"}
+    back = (dx <= 0 if zero_back else dx < 0) and "reverse-turns" not in mistakes
     way, rot1 = _first_part(dx, dy, mistakes, back=back)
-    rot2 = wrap_angle(
-        by_mistake(mistakes, {"whole-turn": turn, "turns-added": turn + rot1}, turn - rot1)
-    )
-    way = by_mistake(mistakes, {"back-ahead": abs(way), "ahead-alone": dx}, way)
+    rot2 = by_mistake(mistakes, {"whole-turn": turn, "turns-added": turn + rot1}, turn - rot1)
+    rot2 = rot2 if "zero-back-whole" in mistakes else wrap_angle(rot2)
+    ways = {
+        "back-ahead": abs(way),
+        "ahead-alone": dx,
+        "way-summed": dx + dy,
+        "way-sizes": math.copysign(abs(dx) + abs(dy), way),
+        "way-squared": math.copysign(way**2, way),
+    }
+    way = by_mistake(mistakes, ways, way)
     way_hat, rot1_hat, rot2_hat = _noisy((way, rot1, rot2), alphas, len(poses), mistakes, seed)
     heading = poses[:, 2]
     thetas = {
@@ -53,9 +66,16 @@ def sampled(
     if "not-turned" in mistakes:
         angle = angle - poses[:, 2]
     along = {name: angle - poses[:, 2] for name in ("x", "y") if f"not-turned-{name}" in mistakes}
-    x, y = way_hat * np.cos(along.get("x", angle)), way_hat * np.sin(along.get("y", angle))
-    if "sine-first" in mistakes:
-        x, y = y, x
+    functions = {
+        "sine-first": (np.sin, np.cos),
+        "cosine-twice": (np.cos, np.cos),
+        "sine-twice": (np.sin, np.sin),
+    }
+    x_of, y_of = by_mistake(mistakes, functions, (np.cos, np.sin))
+    x, y = way_hat * x_of(along.get("x", angle)), way_hat * y_of(along.get("y", angle))
+    if "ways-apart" in mistakes:
+        other = _noisy((way, rot1, rot2), alphas, len(poses), mistakes, seed + 1)[0]
+        y = other * y_of(angle)
     if "one-particle" in mistakes:
         return np.column_stack([poses[0, 0] + x, poses[0, 1] + y, theta])
     if "place-lost" in mistakes:
@@ -100,8 +120,7 @@ def _noisy(
         noise = rng.uniform(-1, 1, (3, count))
     if "from-zero" in mistakes:
         noise = rng.random((3, count))
-    if "same-draw" in mistakes:
-        noise[:] = noise[0]
+    noise = noise[list(by_mistake(mistakes, SHARED, (0, 1, 2)))]
     if "positive" in mistakes:
         noise = np.abs(noise)
     made = np.array(step)[:, None] + deviations[:, None] * noise

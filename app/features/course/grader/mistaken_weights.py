@@ -52,16 +52,20 @@ def ends(
         angles = bearings - headings
     if "angles-as-degrees" in mistakes:
         angles = np.radians(angles)
-    x, y = ranges * np.cos(angles), ranges * np.sin(angles)
-    if "sine-first" in mistakes:
-        x, y = y, x
+    cosine, sine = np.cos(angles), np.sin(angles)
+    functions = {
+        "sine-first": (sine, cosine), "cosine-twice": (cosine, cosine), "sine-twice": (sine, sine)
+    }  # fmt: skip
+    x, y = (ranges * each for each in by_mistake(mistakes, functions, (cosine, sine)))
     if mistakes & {"x-mirrored", "ray-backwards"}:
         x = -x
     if mistakes & {"y-mirrored", "ray-backwards"}:
         y = -y
     if "place-lost" in mistakes:
         return x, y
-    return poses[:, :1] + x, poses[:, 1:2] + y
+    axes = {"place-x-twice": (0, 0), "place-y-twice": (1, 1), "place-exchanged": (1, 0)}
+    across, along = by_mistake(mistakes, axes, (0, 1))
+    return poses[:, [across]] + x, poses[:, [along]] + y
 
 
 def distances(x: Array, y: Array, field: SimpleNamespace, mistakes: frozenset[str]) -> Array:

@@ -19,6 +19,11 @@ ANY = {
         "The function writes into the arrays that it was given.",
         "Work on a copy: poses = poses.copy().",
     ),
+    "same-array": Cause(
+        "What was to be kept changes as well.",
+        "Two names stand for one array: what is written into one is in the other, too.",
+        "new = poses makes no copy, and neither does a part of an array; poses.copy() does.",
+    ),
     "remembered": Cause(
         "The same question gets another answer the second time.",
         "The function keeps something between its calls: in a global variable, or in a list that "

@@ -65,6 +65,19 @@ FILTER = {
         "The numbers do not lie on the line where the weights lie end to end.",
         "Print where each weight ends on the line, and the numbers: both go from 0 to 1, and grow.",
     ),
+    "order-apart": Cause(
+        "Who survives has little to do with the weights.",
+        "The weights lie on the line in another order than the particles in their list: they were "
+        "sorted or turned round, and the particles were not.",
+        "Nothing has to be sorted. If you sort, take poses in the same order.",
+    ),
+    "start-anywhere": Cause(
+        "The last one of the list gets far too many copies, and the first ones too few.",
+        "The first number is anywhere between 0 and 1: with the steps, the others run beyond the "
+        "line's end.",
+        "The first number lies below 1/n, and n - 1 steps follow. For four particles: how far "
+        "does the last of them come?",
+    ),
     "steps-lost": Cause(
         "The first ones of the list survive, whatever they weigh.",
         "All numbers lie below 1/n: the steps from the first to the others are missing.",
@@ -74,6 +87,11 @@ FILTER = {
         "Those at the end of the list get too many copies, or too few.",
         "The steps along the line are not 1/n.",
         "n numbers, each 1/n farther than the one before: all of them lie below 1.",
+    ),
+    "undrawn": Cause(
+        "The last one of the list survives each time, whatever it weighs.",
+        "One survivor too few is drawn, and the last particle takes its place.",
+        "All n survivors are drawn: n numbers on the line, and none but those.",
     ),
     "light-lost": Cause(
         "What seems unlikely now is forgotten for good.",
@@ -90,6 +108,11 @@ FILTER = {
         "Particles that weigh less than 1/n never survive.",
         "How many copies a particle gets is rounded, and nothing left to chance.",
         "A particle that is due half a copy gets one in every second draw: chance decides.",
+    ),
+    "by-rank": Cause(
+        "The same ones survive in each draw, and one without any weight can be among them.",
+        "Who survives is decided by an order of the particles, not by chance and weight.",
+        "Nobody is safe, and nobody lost: each survives as often as its weight says.",
     ),
     "best-only": Cause(
         "One particle stands for the whole cloud.",
@@ -151,6 +174,12 @@ FILTER = {
         "Only one particle is new, however many are due.",
         "Each particle is replaced by itself: which index does the new one get?",
     ),
+    "part-of-all": Cause(
+        "The estimate is drawn towards other places.",
+        "A part of it, the heading or x and y, is the mean of all particles, not only of those of "
+        "the heaviest one's place.",
+        "Average x, y, cosines and sines of the same particles, with the same weights.",
+    ),
     "heading-of-one": Cause(
         "The estimate's heading jumps from scan to scan.",
         "The heading is that of one particle, and not a mean.",
@@ -175,6 +204,12 @@ FILTER = {
         "There are particles that nobody put there.",
         "Poses are changed that should only be copied.",
         "Copy poses as they are; noise belongs to the motion.",
+    ),
+    "half-replaced": Cause(
+        "Some particles are half old and half new.",
+        "It is decided for x, y and heading apart which of them are replaced.",
+        "One random number for each particle: rng.random(len(poses)). A particle is replaced as a "
+        "whole.",
     ),
     "order": Cause(
         "The scan is compared with where the robot was before.",
@@ -284,6 +319,11 @@ FILTER = {
         "It reacts too late, or to nothing.",
         "The memories are not what they should be after this fit, or are used before.",
         "memory.slow += 0.05 * (fit - memory.slow); the fast one likewise, with 0.5.",
+    ),
+    "memory-falls-alone": Cause(
+        "Once the fit was bad, the filter does not trust good scans again.",
+        "Where the fit is as good as before, or better, the memories do not take it.",
+        "Update both memories at each call, first of all; then decide whether new particles come.",
     ),
     "memory-unstored": Cause(
         "It reacts to one picture alone, or to nothing.",

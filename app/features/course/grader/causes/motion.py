@@ -56,6 +56,11 @@ MOTION = {
         "Where both wheels roll alike, the pose stays as it was.",
         "A way without a turn is still a way: what does your code do where the turn is 0?",
     ),
+    "spin-lost": Cause(
+        "The robot drives and takes arcs, but never turns on the spot.",
+        "Where the middle of the axle stays, the pose stays as it was.",
+        "A turn without a way is still a turn: what does your code do where the way is 0?",
+    ),
     "turn-summed": Cause(
         "Driving straight ahead turns the robot.",
         "The turn is made of the sum of the wheels' ways, not of their difference.",
@@ -86,6 +91,12 @@ MOTION = {
         "A step backwards has a positive way.",
         "For a step with dx < 0 let the way be negative.",
     ),
+    "zero-back": Cause(
+        "The cloud bursts while the robot turns on the spot.",
+        "A step without a way counts as one backwards: half a turn to its end, and half a turn "
+        "back, with their noise.",
+        "Backwards is dx < 0 alone: atan2(-0.0, -0.0) is -π, and not 0.",
+    ),
     "back-twice": Cause(
         "Backing drives the cloud ahead.",
         "The way of a step backwards is negative, and its first rotation is half a turn as well: "
@@ -104,9 +115,9 @@ MOTION = {
         "The robot turns by the difference of both wheels' ways: right minus left.",
     ),
     "way-length": Cause(
-        "On arcs the cloud does not come far enough.",
+        "On arcs the cloud comes too far, or not far enough.",
         "The way is not the length of the step.",
-        "The step goes dx ahead and dy to the side: how long is that?",
+        "The step goes dx ahead and dy to the side: how long is that? hypot(dx, dy).",
     ),
     "old-heading": Cause(
         "On arcs the path drifts outwards.",
@@ -129,6 +140,18 @@ MOTION = {
         "Left and right are exchanged in the turn.",
         "Theta grows anticlockwise: which wheel rolls farther when the robot turns left?",
     ),
+    "turn-one-way": Cause(
+        "The robot turns to the same side whichever wheel rolls farther.",
+        "The turn has lost its sign: only its size counts.",
+        "right - left is negative where the robot turns to the right, and has to stay so.",
+    ),
+    "half-for-way": Cause(
+        "The robot comes to the right place, and looks in a wrong direction there.",
+        "The half of the turn by which the way's direction is found is in the new heading, too, "
+        "or alone.",
+        "Half of the turn is for x and y; the new heading is the old one plus the whole turn, "
+        "once.",
+    ),
     "track": Cause(
         "Each turn is too large or too small by the same factor.",
         "The difference of the wheels is divided by something else than the track.",
@@ -138,6 +161,11 @@ MOTION = {
         "The robot drives to the side instead of ahead.",
         "Sine and cosine are exchanged.",
         "At heading 0 the robot looks along x. Which of the two is 1 there?",
+    ),
+    "same-function": Cause(
+        "All go along one diagonal, wherever they look.",
+        "x and y take the same function of the heading: cosine twice, or sine twice.",
+        "At heading 0 nothing goes along y: x takes the cosine, y the sine.",
     ),
     "start-lost": Cause(
         "Each step begins at the origin again.",
@@ -188,8 +216,8 @@ MOTION = {
         "Use rng.standard_normal, as it is.",
     ),
     "same-draw": Cause(
-        "The cloud is a line instead of a banana.",
-        "One random number serves for rotations and way at once.",
+        "The cloud has another shape: errors that have nothing to do with each other go along.",
+        "One random number serves for two or three of rotation, way and rotation.",
         "Draw three times for each particle.",
     ),
 }

@@ -109,6 +109,18 @@ SENSOR = {
         "The map is turned over: rows are counted from the top, or columns from the right.",
         "Row 0 is at the bottom, where y is field.origin[1]; rows grow with y.",
     ),
+    "all-missed": Cause(
+        "All weights stay equal: each ray counts as one that ended at a shoe.",
+        "The distances that are looked up are far too large, as where metres are taken for cells, "
+        "or the curve is far too narrow.",
+        "How many cells are 0.5 m, at 0.01 m a cell? Print row, column and distance of one ray, "
+        "then its likelihood.",
+    ),
+    "place-axes": Cause(
+        "Particles are weighed as if they were elsewhere.",
+        "The rays begin at a place whose x and y are exchanged, or are one and the same.",
+        "A ray begins at poses[:, 0], poses[:, 1]: the first for x, the second for y.",
+    ),
     "cell-off": Cause(
         "The cloud is shifted by a cell.",
         "The cell is one beside the one that holds the end of the ray.",
@@ -208,6 +220,17 @@ SENSOR = {
         "One ray without a return spoils all weights.",
         "Infinite ranges are used as if something were there.",
         "Leave those rays out: np.isfinite(ranges) tells which have a return.",
+    ),
+    "one-side": Cause(
+        "All that is seen lies on the same side of the robot.",
+        "The bearing has lost its sign: acos, a root and abs give none.",
+        "To the left is positive, to the right negative: arctan2(y, x) keeps the sign of y.",
+    ),
+    "bearings-unpaired": Cause(
+        "Where one ray has no return, the others look elsewhere.",
+        "Ranges without a return are left out, but their bearings are not: from there on each "
+        "range has the bearing of another ray.",
+        "Leave both out: seen = np.isfinite(ranges), then bearings[seen] and ranges[seen].",
     ),
     "left-right": Cause(
         "The robot sees everything mirrored.",

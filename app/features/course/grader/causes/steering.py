@@ -25,6 +25,12 @@ STEERING = {
         "How far the goal is away is not the length of (dx, dy).",
         "Nearer than 10 mm means a circle: math.hypot(dx, dy) < 0.01.",
     ),
+    "distance": Cause(
+        "Beside its way, the robot aims at another point than it should.",
+        "How far a point is away is not the length of (dx, dy): both are added, or the larger one "
+        "is taken.",
+        "Points that are equally far away lie on a circle: math.hypot(dx, dy).",
+    ),
     "look-behind": Cause(
         "The robot turns around and drives back to where it came from.",
         "The look-ahead point lies behind the robot.",
@@ -79,6 +85,11 @@ STEERING = {
         "The robot looks much too far ahead.",
         "A squared distance is compared with `ahead` itself.",
         "Compare a distance with ahead, or its square with ahead**2.",
+    ),
+    "limited": Cause(
+        "The robot turns or drives more slowly than it should where much is to be done.",
+        "Speed or turning speed is cut off at a limit, which the lesson does not have.",
+        "Return gain · error and speed · cos(error) as they are.",
     ),
     "full-speed": Cause(
         "The robot drives off while it looks in another direction, and comes back in a wide bow.",

@@ -114,6 +114,7 @@ def expected(case: Case, mistakes: frozenset[str]) -> Array:
     gain = next((rule(delay) for name, rule in GAINS.items() if name in mistakes), GAIN / delay)
     dx, dy = np.abs(goal[:2] - pose[:2]).tolist()
     nears = {"goal-x": dx, "goal-y": dy, "goal-square": max(dx, dy), "goal-sum": dx + dy}
+    nears |= {"all-square": max(dx, dy), "all-sum": dx + dy}
     near = next((each for name, each in nears.items() if name in mistakes), math.hypot(dx, dy))
     arrived = near < THERE_M and "no-goal" not in mistakes
     own = 0.0 if "goal-heading-alone" in mistakes else pose[2]
@@ -144,7 +145,7 @@ def _speed(case: Case, error: float, arrived: bool, mistakes: frozenset[str]) ->
 def _target(case: Case, mistakes: frozenset[str]) -> int:
     """Return which point of the way is aimed at."""
     pose, path, _, _, ahead, _ = case.arguments
-    away = np.hypot(*(path - pose[:2]).T)
+    away = _distances(path, pose, mistakes)
     nearest = int(away.argmin())
     ahead = math.sqrt(ahead) if "ahead-rooted" in mistakes else ahead
     far = nearest + np.flatnonzero(away[nearest:] > ahead)
@@ -173,6 +174,16 @@ def _target(case: Case, mistakes: frozenset[str]) -> int:
     return target
 
 
+def _distances(path: Array, pose: Array, mistakes: frozenset[str]) -> Array:
+    """Return how far the points (n, 2) of a way are from a pose (n,) [m]."""
+    apart = np.abs(path - pose[:2])
+    if mistakes & {"path-sum", "all-sum"}:
+        return np.asarray(apart.sum(axis=1))
+    if mistakes & {"path-square", "all-square"}:
+        return np.asarray(apart.max(axis=1))
+    return np.asarray(np.hypot(*apart.T))
+
+
 def _bearing(case: Case, mistakes: frozenset[str]) -> float:
     pose, path = case.arguments[:2]
     dx, dy = (path[_target(case, mistakes)] - pose[:2]).tolist()
@@ -186,7 +197,11 @@ def _bearing(case: Case, mistakes: frozenset[str]) -> float:
 
 
 def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
-    """A gain that is another one, whichever: the speed is right, and all turns are off alike."""
+    """A limit of speed or turn; a gain that is another one, whichever: the speed is right, and all
+    turns are off alike."""
+    if limited := _limited(outcomes):
+        yield Sign("limited", limited)
+        return
     shares, plain, shown = [], [], None
     for outcome in outcomes:
         given, due = features(outcome), expected(outcome.case, frozenset())
@@ -201,6 +216,22 @@ def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
         if shown and alike and each[0] > 0 and not math.isclose(shares[0], 1.0):
             yield Sign("gain-delay", shown)
             return
+
+
+def _limited(outcomes: Sequence[Outcome]) -> Outcome | None:
+    """Return a case whose speed or turn is cut off, if that is all that is wrong; or None."""
+    pairs = [(item, features(item), expected(item.case, frozenset())) for item in outcomes]
+    wrong = [each for each in pairs if np.abs(each[1] - each[2]).max() > 1e-6]
+    for axis in (0, 1):
+        sizes = [abs(given[axis]) for _, given, _ in wrong]
+        if len(wrong) < 2 or np.ptp(sizes) > 1e-9 or sizes[0] == 0:
+            continue
+        cut = [due.copy() for _, _, due in pairs]
+        for due in cut:
+            due[axis] = np.clip(due[axis], -sizes[0], sizes[0])
+        if all(np.abs(due - each[1]).max() <= 1e-6 for due, each in zip(cut, pairs, strict=True)):
+            return wrong[0][0]
+    return None
 
 
 def show(_case: Case, values: Array) -> str:
@@ -237,6 +268,10 @@ CHECKS = Checks(
         *(
             Hypothesis(name, "goal-place")
             for name in ("goal-x", "goal-y", "goal-square", "goal-sum")
+        ),
+        *(
+            Hypothesis(name, "distance")
+            for name in ("path-sum", "all-sum", "path-square", "all-square")
         ),
         Hypothesis("goal-heading-alone", "own-heading", kind="goal"),
         Hypothesis("from-start", "look-behind", frozenset(TARGETS)),

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
-from app.features.course.grader.case import Case, Checks, Hypothesis, Outcome, Sign
+from app.features.course.grader.case import Case, Checks, Hypothesis, Outcome, Sign, by_mistake
 from app.features.course.grader.drawing import draw_poses
 from app.features.course.grader.forms import array_of, heading_signs, pose_features
 from app.features.course.grader.words import Words
@@ -48,6 +48,14 @@ TURNS = {
     "turn-to-radians": math.pi / 180,
 }
 DIRECTIONS = {"new-heading": 1.0, "old-heading": 0.0}
+FUNCTIONS: dict[str, tuple[Callable[[float], float], Callable[[float], float]]] = {
+    "sine-first": (math.sin, math.cos),
+    "cosine-twice": (math.cos, math.cos),
+    "sine-twice": (math.sin, math.sin),
+}
+"""Functions of the heading for x and y, where these are taken for each other."""
+SHARES = {"middle-returned": 0.5, "half-more": 1.5}
+"""How much of the turn is in the heading that comes back, where half of it is for the way."""
 
 
 def cases(seed: int) -> list[Case]:
@@ -102,14 +110,15 @@ def expected(case: Case, mistakes: frozenset[str]) -> Array:
     if "turn-undivided" in mistakes:
         turn = right - left
     turn = abs(turn) if "turn-one-way" in mistakes else turn
+    turn = 0.0 if "spin-kept" in mistakes and left == -right else turn
     turn *= next((share for name, share in TURNS.items() if name in mistakes), 1.0)
     way = 0.0 if "straight-kept" in mistakes and left == right else way
     direction = _direction(float(pose[2]), turn, mistakes)
     along_x = pose[2] if "old-heading-x" in mistakes else direction
     along_y = pose[2] if "old-heading-y" in mistakes else direction
-    x, y = way * math.cos(along_x), way * math.sin(along_y)
-    if "sine-first" in mistakes:
-        x, y = y, x
+    x_of, y_of = by_mistake(mistakes, FUNCTIONS, (math.cos, math.sin))
+    x, y = way * x_of(along_x), way * y_of(along_y)
+    turn *= next((share for name, share in SHARES.items() if name in mistakes), 1.0)
     theta = turn if "heading-lost" in mistakes else pose[2] + turn
     if "from-zero" in mistakes:
         return np.array([x, y, math.cos(theta), math.sin(theta)])
@@ -235,12 +244,15 @@ CHECKS = Checks(
         Hypothesis("no-heading", "M1"),
         Hypothesis("wrapped-middle", "middle-wrapped"),
         Hypothesis("sine-first", "sine"),
+        Hypothesis("cosine-twice", "same-function"),
+        Hypothesis("sine-twice", "same-function"),
         Hypothesis("from-zero", "start-lost"),
         Hypothesis("heading-lost", "start-lost"),
         Hypothesis("old-heading-x", "old-heading"),
         Hypothesis("old-heading-y", "old-heading"),
         Hypothesis("turn-lost", "turn-lost"),
         Hypothesis("straight-kept", "straight-lost"),
+        Hypothesis("spin-kept", "spin-lost"),
         Hypothesis("x-kept", "axis-lost"),
         Hypothesis("y-kept", "axis-lost"),
         Hypothesis("sine-negative", "slip-sign", broad=True),
@@ -249,7 +261,8 @@ CHECKS = Checks(
         Hypothesis("turn-left-alone", "one-wheel-turns", frozenset(TURNS)),
         Hypothesis("turn-times-track", "track", frozenset(TURNS)),
         Hypothesis("turn-undivided", "track", frozenset(TURNS)),
-        Hypothesis("turn-one-way", "turn-sign", frozenset(TURNS)),
+        Hypothesis("turn-one-way", "turn-one-way", frozenset(TURNS)),
+        *(Hypothesis(name, "half-for-way", frozenset(SHARES)) for name in SHARES),
     ),
     signs=signs,
     show=show,

@@ -139,6 +139,10 @@ def _bearing_and_range(
         "swapped": math.atan2(x, y),
     }
     bearing = by_mistake(mistakes, bearings, math.atan2(y, x))
+    if "bearing-left" in mistakes:
+        bearing = abs(bearing)
+    if "bearing-right" in mistakes:
+        bearing = -abs(bearing)
     if "bearing-in-degrees" in mistakes:
         bearing = math.degrees(bearing)
     slant = camera.height if "slanted" in mistakes else 0.0
@@ -249,6 +253,8 @@ CHECKS = Checks(
         Hypothesis("tilt-to-degrees", "S4", TILTS),
         Hypothesis("bearing-in-degrees", "S4"),
         Hypothesis("mirrored", "left-right"),
+        Hypothesis("bearing-left", "one-side"),
+        Hypothesis("bearing-right", "one-side"),
         Hypothesis("upside-down", "up-down"),
         Hypothesis("horizon", "horizon"),
         Hypothesis("slanted", "slant"),

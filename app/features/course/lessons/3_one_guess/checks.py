@@ -131,7 +131,14 @@ def expected(case: Case, mistakes: frozenset[str]) -> Array:
     poses = np.repeat(poses[:1], len(poses), axis=0) if "first-guess" in mistakes else poses
     poses = np.repeat(poses[-1:], len(poses), axis=0) if "last-guess" in mistakes else poses
     seen = np.isfinite(ranges)
-    x, y = ends(poses, bearings[seen], ranges[seen], mistakes)
+    if "all-missed" in mistakes:
+        return np.full(len(poses), math.log(RANDOM) * seen.sum())
+    kept_bearings = bearings[seen]
+    if "bearings-from-first" in mistakes:
+        kept_bearings = bearings[: seen.sum()]
+    if "bearings-to-last" in mistakes:
+        kept_bearings = bearings[(~seen).sum() :]
+    x, y = ends(poses, kept_bearings, ranges[seen], mistakes)
     away = distances(x, y, field, mistakes)
     if "nearest" in mistakes:
         clearance = distances(poses[:, :1], poses[:, 1:2], field, mistakes)
@@ -294,6 +301,8 @@ CHECKS = Checks(
         Hypothesis("sign", "S2", frozenset(INVERSES)),
         Hypothesis("origin-ignored", "S5", STARTS),
         *(Hypothesis(name, "origin-wrong", STARTS) for name in ("origin-added", "origin-swapped")),
+        # Cells far away and a curve far too narrow give the same: a line that mends it goes first.
+        Hypothesis("all-missed", "all-missed", broad=True),
         *(Hypothesis(name, "S8", frozenset(WIDTHS)) for name in NARROW),
         Hypothesis("multiplied", "sigma-multiplied", frozenset(WIDTHS)),
         *(Hypothesis(name, "sigma", frozenset(WIDTHS)) for name in WIDE if name != "multiplied"),
@@ -322,6 +331,12 @@ CHECKS = Checks(
         Hypothesis("place-lost", "place-lost"),
         Hypothesis("no-bearing", "bearings-lost"),
         Hypothesis("sine-first", "sine"),
+        Hypothesis("cosine-twice", "same-function"),
+        Hypothesis("sine-twice", "same-function"),
+        *(
+            Hypothesis(name, "place-axes")
+            for name in ("place-x-twice", "place-y-twice", "place-exchanged")
+        ),
         *(Hypothesis(name, "ray-sign") for name in ("ray-backwards", "x-mirrored", "y-mirrored")),
         *(Hypothesis(name, "map-turned") for name in ("upside-down", "row-negative", "mirrored")),
         *(Hypothesis(name, "cell-off", frozenset(OFF)) for name in OFF),
@@ -343,6 +358,8 @@ CHECKS = Checks(
         Hypothesis("averaged", "sum", JOINTS),
         Hypothesis("plain-mean", "sum", JOINTS),
         Hypothesis("zero-range", "no-return", kind="no-return"),
+        Hypothesis("bearings-from-first", "bearings-unpaired", kind="no-return"),
+        Hypothesis("bearings-to-last", "bearings-unpaired", kind="no-return"),
         Hypothesis("stops-early", "stops-early", kind="no-return"),
     ),
     signs=signs,

@@ -16,7 +16,7 @@ from app.features.course.grader.forms import (
     heading_signs,
     headings_apart,
 )
-from app.features.course.grader.mistaken_motion import ORDERS, sampled
+from app.features.course.grader.mistaken_motion import ORDERS, SHARED, sampled
 from app.features.course.grader.words import Words
 from robot.geometry import Array, compose, wrap_angle
 
@@ -89,7 +89,7 @@ def _cloud(
     kind, text, moved, alphas = noise
     words = Words("{step} {count} particles in one place.", {"step": Words(text), "count": COUNT})
     arguments = (np.zeros((COUNT, 3)), np.array(moved), np.array(alphas, dtype=float))
-    errors = LIKELY / math.sqrt(COUNT) * np.array([1, 1, 1, 0.72, 0.72, 0.72, 1, 1])
+    errors = LIKELY / math.sqrt(COUNT) * np.array([1, 1, 1, 0.72, 0.72, 0.72, 1, 1, 1, 1])
     return Case("motion", arguments, words, kind, errors, (seed,))
 
 
@@ -107,9 +107,12 @@ def features(outcome: Outcome) -> Array:
 
 
 def _spread(poses: Array, case: Case) -> Array:
-    """Return of way, direction and turn: shifts in deviations, their logarithms, correlations.
+    """Return of way, direction and turn: shifts in deviations, their logarithms, correlations:
+    of each particle with the next, and of the way with direction and turn.
 
-    The error of each is the same whatever the spread is.
+    The error of each is the same whatever the spread is. A shift that is large is as uncertain as
+    the deviation it is told in, so its inverse hyperbolic sine is given: of small ones that is the
+    shift itself.
     """
     _, moved, _ = case.arguments
     due = _steps(compose(np.zeros((1, 3)), moved), moved)
@@ -126,7 +129,9 @@ def _spread(poses: Array, case: Case) -> Array:
     scaled = (errors - errors.mean(axis=0)) / deviations
     # Where there is no spread there is no correlation either.
     related = [float((scaled[:-1, axis] * scaled[1:, axis]).mean()) for axis in (0, 2)]
-    return np.concatenate([errors.mean(axis=0) / deviations, np.log(deviations), related])
+    shifts = np.arcsinh(errors.mean(axis=0) / deviations)
+    related += [float((scaled[:, 0] * scaled[:, axis]).mean()) for axis in (1, 2)]
+    return np.concatenate([shifts, np.log(deviations), related])
 
 
 def _steps(poses: Array, moved: Array) -> Array:
@@ -151,11 +156,7 @@ def rough(case: Case, mistakes: frozenset[str]) -> tuple[Array, Array]:
     _, moved, alphas = case.arguments
     # The tolerance is that of COUNT particles against a reference without an error of its own.
     wider = np.asarray(case.tolerance) * math.sqrt(1 + COUNT / FEW)
-    small = _reference_spread(tuple(moved), tuple(alphas), mistakes, FEW)
-    wider[:3] *= 1 + np.abs(
-        small[:3]
-    )  # a large shift is as uncertain as the deviation it is told in
-    return small, wider
+    return _reference_spread(tuple(moved), tuple(alphas), mistakes, FEW), wider
 
 
 @lru_cache(maxsize=8192)
@@ -209,7 +210,7 @@ def _without_noise(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
         given, due = features(outcome), expected(outcome.case, REFERENCE)
         alike = (given[3:6] < math.log(ALIKE)) & (due[3:6] > math.log(100 * ALIKE))
         if alike.any():
-            shifts = np.abs(given[:3] * np.exp(given[3:6]))[alike]
+            shifts = np.abs(np.sinh(given[:3]) * np.exp(given[3:6]))[alike]
             yield Sign("M5" if shifts.max() > 100 * ALIKE else "noise-lost", outcome, weak=True)
             return
 
@@ -304,7 +305,7 @@ CHECKS = Checks(
         Hypothesis("uniform", "noise-form", SIZES),
         Hypothesis("positive", "noise-form", SIZES),
         Hypothesis("from-zero", "noise-form", SIZES),
-        Hypothesis("same-draw", "same-draw", kind="turn"),
+        *(Hypothesis(name, "same-draw", kind="turn") for name in SHARED),
         Hypothesis("one-rotation", "rotation-lost"),
         Hypothesis("first-rotation-alone", "rotation-lost"),
         Hypothesis("whole-turn", "second-turn"),
@@ -323,7 +324,15 @@ CHECKS = Checks(
         Hypothesis("turn-lost", "turn-lost"),
         Hypothesis("turns-added", "second-turn"),
         Hypothesis("back-ahead", "back-ahead"),
-        Hypothesis("ahead-alone", "way-length"),
+        Hypothesis("zero-back", "zero-back", kind="spin-noise"),
+        Hypothesis("zero-back-whole", "zero-back", kind="spin-noise"),
+        *(
+            Hypothesis(name, "way-length")
+            for name in ("ahead-alone", "way-summed", "way-sizes", "way-squared")
+        ),
+        Hypothesis("cosine-twice", "same-function"),
+        Hypothesis("sine-twice", "same-function"),
+        Hypothesis("ways-apart", "noise-on-place", kind="noise"),
         Hypothesis("direction-swapped-back", "arctan"),
         Hypothesis("half-turned", "back-twice", kind="back"),
         Hypothesis("proportional", "variances", SIZES),

@@ -23,6 +23,12 @@ LIKELY = 6.0
 STARTS = (np.arange(500) + 0.5) / 500
 """First numbers over which copies are averaged, as shares of 1/n."""
 Indices = NDArray[np.intp]
+ORDERS: tuple[Callable[[Array], Indices], ...] = (
+    np.argsort,
+    lambda weights: np.argsort(weights)[::-1],
+    lambda weights: np.arange(len(weights))[::-1],
+)
+"""Orders in which weights are laid on the line while the particles keep theirs."""
 UNLIKE = -1
 """Index of a particle that was not among those given."""
 SHARED = Words("Two of the particles that come back are one and the same in memory.")
@@ -119,6 +125,16 @@ def _stepped(weights: Array, parts: float) -> Array:
     return np.bincount(drawn.ravel(), minlength=count) / points.size
 
 
+def _with_last(weights: Array) -> Array:
+    """Return the copies' shares where the last number's survivor gives way to the last particle."""
+    count = len(weights)
+    points = (STARTS[:, None] + np.arange(count - 1)) / count
+    drawn = np.searchsorted(np.cumsum(weights), points).clip(0, count - 1)
+    copies = np.bincount(drawn.ravel(), minlength=count) / len(STARTS)
+    copies[-1] += 1
+    return copies / count
+
+
 RULES: dict[str, Callable[[Array], Array]] = {
     "next-one": lambda weights: _shifted(weights, 1),
     "one-before": lambda weights: _shifted(weights, -1),
@@ -130,6 +146,7 @@ RULES: dict[str, Callable[[Array], Array]] = {
     "roots": lambda weights: np.sqrt(weights) / np.sqrt(weights).sum(),
     "longer-steps": lambda weights: _stepped(weights, len(weights) - 1),
     "shorter-steps": lambda weights: _stepped(weights, len(weights) + 1),
+    "last-added": _with_last,
     "no-steps": lambda weights: _stepped(weights, np.inf),
 }
 
@@ -170,10 +187,17 @@ def _survivors(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
             yield Sign("invented", outcome)
         elif weightless and not outcome.answers[0].shared:
             wrong.append((outcome, _beside(outcome, drawn) or _immortal(outcome, drawn)))
+    asked = [item for item in outcomes if item.case.kind != "seeds"]
     unlike = [item for item in many if not _as_weighed(item)]
+    if unlike and any(all(_as_weighed(item, order) for item in asked) for order in ORDERS):
+        yield Sign("order-apart", unlike[0])
+        return
+    if unlike and all(_starts_anywhere(item) for item in asked):
+        yield Sign("start-anywhere", unlike[0])
+        return
     fixed = [item for item in unlike if _is_fixed(item)]
-    if fixed and len(fixed) == len(unlike) and not wrong:
-        yield Sign("copies-fixed", fixed[0])
+    if fixed and len(fixed) == len(unlike):
+        yield Sign("by-rank" if wrong else "copies-fixed", fixed[0])
         return
     if unlike and not wrong:
         light = all(_is_light_lost(item) for item in unlike)
@@ -191,6 +215,23 @@ def _is_fixed(outcome: Outcome) -> bool:
     return all(np.array_equal(copies[0], each) for each in copies)
 
 
+def _starts_anywhere(outcome: Outcome) -> bool:
+    """Return whether steps of 1/n from a number between 0 and 1 give each draw: those that end
+    beyond the line are the last particle's."""
+    weights = outcome.case.arguments[1]
+    count = len(weights)
+    steps, line = np.arange(count) / count, np.cumsum(weights)
+    # Between two of these starts, no step comes to another particle.
+    bends = np.unique(np.clip(line[:, None] - steps, 0, 1))
+    starts = np.concatenate([bends[:-1] + np.diff(bends) / 2, [bends[-1] / 2 + 0.5]])
+    given = np.searchsorted(line, starts[:, None] + steps).clip(0, count - 1)
+    possible = {tuple(np.bincount(drawn, minlength=count)) for drawn in given}
+    draws = [_drawn(answer, outcome.case) for answer in outcome.answers]
+    return all(
+        tuple(np.bincount(drawn[drawn != UNLIKE], minlength=count)) in possible for drawn in draws
+    )
+
+
 def _is_light_lost(outcome: Outcome) -> bool:
     """Return whether no particle that is lighter than the average survives, though it should."""
     due, copies = expected(outcome.case, frozenset()), features(outcome)
@@ -204,9 +245,14 @@ def _immortal(outcome: Outcome, drawn: Indices) -> bool:
     return len(undue) <= len(outcome.answers) and not undue.any()
 
 
-def _as_weighed(outcome: Outcome) -> bool:
-    due = expected(outcome.case, frozenset())
-    return bool((np.abs(features(outcome) - due) <= outcome.case.tolerance).all())
+def _as_weighed(outcome: Outcome, order: Callable[[Array], Indices] | None = None) -> bool:
+    """Return whether there are as many copies as are due; with the weights in another order."""
+    weights = outcome.case.arguments[1]
+    due, error = expected(outcome.case, frozenset()), outcome.case.tolerance
+    error = np.broadcast_to(error, due.shape)
+    if order is not None:
+        due, error = due[order(weights)], error[order(weights)]
+    return bool((np.abs(features(outcome) - due) <= error).all())
 
 
 def _beside(outcome: Outcome, drawn: Indices) -> bool:
@@ -266,6 +312,7 @@ CHECKS = Checks(
         Hypothesis("longer-steps", "steps", ALL),
         Hypothesis("shorter-steps", "steps", ALL),
         Hypothesis("no-steps", "steps-lost", ALL),
+        Hypothesis("last-added", "undrawn", ALL, broad=True),
     ),
     signs=signs,
     show=show,

@@ -64,6 +64,7 @@ CLOUDS: tuple[tuple[str, str, Array, Array], ...] = (
     ("edge", "One particle is turned by -0.4 rad, another by 0.6 rad.",
      np.array([[0.0, 0.0, 0.0], [0.0, 0.0, -0.4], [0.0, 0.0, 0.6]]), np.array([0.4, 0.3, 0.3])),
 )  # fmt: skip
+AXES = ("x", "y", "heading")
 STARTS = frozenset(
     {
         *("front-half", "xy-exchanged", "size-alone", "one-number"),
@@ -183,8 +184,7 @@ def _spread(extent: Array, mistakes: frozenset[str]) -> Array | None:
 
 
 def _mean(poses: Array, weights: Array, mistakes: frozenset[str]) -> Array:
-    heaviest = weights.argmin() if "lightest" in mistakes else weights.argmax()
-    best = poses[0 if "first" in mistakes else heaviest]
+    best = poses[_heaviest(poses, weights, mistakes)]
     offsets = poses - best
     if "not-wrapped" not in mistakes:
         offsets[:, 2] = wrap_angle(offsets[:, 2])
@@ -220,10 +220,26 @@ def _mean(poses: Array, weights: Array, mistakes: frozenset[str]) -> Array:
         "half-arctan": math.atan(toward.imag / toward.real) if toward.real else 0.0,
         "heading-largest": poses[near, 2].max(),
         "turn-alone": float(share @ offsets[:, 2]),
+        "heading-all": float(np.angle(weights @ np.exp(1j * poses[:, 2]))),
     }
     place = best[:2] if "place-best" in mistakes else place
+    place = weights @ poses[:, :2] / weights.sum() if "place-all" in mistakes else place
     place = place[::-1] if "xy" in mistakes else place
     return np.array([*place, by_mistake(mistakes, headings, math.atan2(toward.imag, toward.real))])
+
+
+def _heaviest(poses: Array, weights: Array, mistakes: frozenset[str]) -> int:
+    """Return the index of the particle that makes the place."""
+    others = {
+        "lightest": int(weights.argmin()),
+        "first": 0,
+        "last": len(poses) - 1,
+        "largest-row": max(range(len(poses)), key=lambda place: tuple(poses[place])),
+        "smallest-row": min(range(len(poses)), key=lambda place: tuple(poses[place])),
+        **{f"largest-{name}": int(poses[:, axis].argmax()) for axis, name in enumerate(AXES)},
+        **{f"smallest-{name}": int(poses[:, axis].argmin()) for axis, name in enumerate(AXES)},
+    }
+    return by_mistake(mistakes, others, int(weights.argmax()))
 
 
 def _parts(weights: Array, near: Array, mistakes: frozenset[str]) -> Array:
@@ -370,6 +386,12 @@ CHECKS = Checks(
         Hypothesis("best", "best-only", broad=True),
         Hypothesis("lightest", "heaviest"),
         Hypothesis("first", "heaviest"),
+        Hypothesis("last", "heaviest"),
+        *(
+            Hypothesis(f"{end}-{name}", "heaviest")
+            for end in ("largest", "smallest")
+            for name in (*AXES, "row")
+        ),
         Hypothesis("not-shared", "shares"),
         Hypothesis("swapped", "arctan"),
         Hypothesis("right-as-width", "field-size", STARTS),
@@ -395,6 +417,8 @@ CHECKS = Checks(
         *(Hypothesis(name, "heading-of-one") for name in ("heading-best", "heading-largest")),
         Hypothesis("turn-alone", "turn-alone"),
         Hypothesis("place-best", "place-of-one"),
+        Hypothesis("heading-all", "part-of-all", kind="places"),
+        Hypothesis("place-all", "part-of-all", kind="places"),
         Hypothesis("heading-even", "weights-ignored"),
         Hypothesis("half-arctan", "half-arctan"),
     ),

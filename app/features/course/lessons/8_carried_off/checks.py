@@ -53,6 +53,7 @@ KEEPINGS = {
     "shares-exchanged": "memory-shares",
     "slow-kept": "memory-unstored",
     "fast-kept": "memory-unstored",
+    "falls-alone": "memory-falls-alone",
     "alike-slow": "memory-shares",
     "fast-all": "memory-shares",
     "slow-all": "memory-shares",
@@ -204,6 +205,7 @@ def _kept_wrongly(
         "shares-exchanged": (fit + SLOW * (slow - fit), fit + FAST * (fast - fit)),
         "slow-kept": (slow, due[1]),
         "fast-kept": (due[0], fast),
+        "falls-alone": (min(slow, due[0]), min(fast, due[1])),
         "alike-slow": (due[0], fast + SLOW * (fit - fast)),
         "alike-fast": (slow + FAST * (fit - slow), due[1]),
         "fast-all": (due[0], fit),
@@ -240,7 +242,7 @@ def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
             continue
         values = features(outcome)
         if values[4] > 0:
-            yield Sign("invented", outcome)
+            yield Sign("half-replaced" if _is_mixed(outcome) else "invented", outcome)
         if outcome.case.kind == "seeds" and 0 < values[0] < 1:
             yield from generator_signs(
                 outcome, [np.asarray(answer.result) for answer in outcome.answers]
@@ -263,6 +265,13 @@ def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
     fine = [item for item in memories if item.case.kind in ("steady", "better")]
     yield from (Sign("ratio", item) for item in fine if features(item)[0] > 0)
     yield from _shares(worse)
+
+
+def _is_mixed(outcome: Outcome) -> bool:
+    """Return whether each number of each particle is the old one or a new one, but not together."""
+    given, old = np.asarray(outcome.result), outcome.case.arguments[0]
+    new = np.column_stack([given[:, 0] >= AWAY, np.abs(given[:, 1:] - NEW_POSE) < 1e-9])
+    return bool((new | (np.abs(given - old) < 1e-9)).all())
 
 
 def _shares(worse: Sequence[Outcome]) -> Iterator[Sign]:

@@ -70,6 +70,7 @@ def expected(case: Case, mistakes: frozenset[str]) -> Array:
         "rest-squared": (left / before) ** 2,
         "never-surer": before**2,
         "seen-sd": seen_sd**2,
+        "rest-of-seen": (1 - gain) * seen_sd**2,
         "rest-summed": before**2 + seen_sd**2,
     }
     variance = by_mistake(mistakes, variances, left)
@@ -157,6 +158,7 @@ CHECKS = Checks(
         Hypothesis("seen-ignored", "gain-fixed"),
         Hypothesis("seen-sure", "seen-sure"),
         Hypothesis("seen-sd", "rest"),
+        Hypothesis("rest-of-seen", "rest"),
         Hypothesis("rest-summed", "rest"),
         Hypothesis("no-difference", "no-difference"),
         Hypothesis("exchanged", "slip-order"),

@@ -100,3 +100,21 @@ def test_a_range_that_is_one_too_short_is_not_told_as_brackets(counted):
 def test_what_a_function_uses_is_changed_too(wrong, right):
     changed = [source for _, source in mended(wrong, ["area"])]
     assert ast.unparse(ast.parse(right)) in [ast.unparse(ast.parse(each)) for each in changed]
+
+
+def test_a_copy_mends_two_names_for_one_array_and_can_be_asked_for_alone():
+    source = (
+        "def doubled(values):\n"
+        "    new = values\n"
+        "    for place in range(1, len(values)):\n"
+        "        new[place] = values[place - 1] + values[place]\n"
+        "    return new\n"
+    )
+    asked = list(mended(source, ["doubled"], "same-array"))
+    assert {edit.cause for edit, _ in asked} == {"same-array"}
+    given = []
+    for edit, changed in asked:
+        names = {}
+        exec(changed, names)
+        given.append((edit.line, names["doubled"]([1, 2, 3])))
+    assert (2, [1, 3, 5]) in given
