@@ -8,8 +8,8 @@ import pickle
 import signal
 import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
@@ -17,14 +17,15 @@ from typing import Any
 
 from app.engine.control import ControlLoop
 from app.engine.engine import WARM_UP_TICKS
-from app.engine.mailboxes.backlog import Backlog
-from app.engine.mailboxes.broadcast import Broadcast
-from app.engine.mailboxes.latest import Latest
 from app.engine.problems import LOG, Problem, ProblemState
 from app.engine.program import Program
-from app.engine.rest import Audience
 from app.engine.robot_facts import RobotFacts
-from app.engine.snapshot import DrawnMap, Snapshot
+from app.engine.snapshot import DrawnMap
+from app.features.control.announced import (
+    AnnouncedAudience,
+    AnnouncedBroadcast,
+    AnnouncedLatest,
+)
 from app.features.control.messages import (
     Begun,
     Ended,
@@ -129,9 +130,9 @@ class RemoteControl(ControlLoop):
 
     def __init__(self, process: ControlProcess, begun: Begun) -> None:
         super().__init__(begun.facts.spec, begun.scanner)
-        self.audience = _AnnouncedAudience(self._wake)
-        self.every = _AnnouncedBroadcast(self._wake)
-        self.drawn = _AnnouncedLatest(self._wake)
+        self.audience = AnnouncedAudience(self._wake)
+        self.every = AnnouncedBroadcast(self._wake)
+        self.drawn = AnnouncedLatest(self._wake)
         self._process = process
         self._hangs: tuple[str, ...] = ()
         self._count = 0
@@ -235,52 +236,6 @@ class RemoteControl(ControlLoop):
                 self._process.send(PutMap(newest))
             if command is not None:
                 self._process.send(command)
-
-
-class _AnnouncedAudience(Audience):
-    """An audience that tells of who comes."""
-
-    def __init__(self, tell: Callable[[], None]) -> None:
-        super().__init__()
-        self._tell = tell
-
-    def visit(self) -> None:
-        """Look for a moment."""
-        super().visit()
-        self._tell()
-
-    def join(self, rate: float = math.inf) -> None:
-        """Count one more."""
-        super().join(rate)
-        self._tell()
-
-
-class _AnnouncedBroadcast(Broadcast[Snapshot]):
-    """A broadcast that tells of who subscribes."""
-
-    def __init__(self, tell: Callable[[], None]) -> None:
-        super().__init__()
-        self._tell = tell
-
-    @contextmanager
-    def subscribe(self, most: int) -> Iterator[Backlog[Snapshot]]:
-        """Subscribe until the block ends."""
-        with super().subscribe(most) as backlog:
-            self._tell()
-            yield backlog
-
-
-class _AnnouncedLatest(Latest[DrawnMap | None]):
-    """A mailbox that tells of what is put there."""
-
-    def __init__(self, tell: Callable[[], None]) -> None:
-        super().__init__()
-        self._tell = tell
-
-    def put(self, value: DrawnMap | None) -> None:
-        """Replace the value."""
-        super().put(value)
-        self._tell()
 
 
 class DistantRobot:

@@ -8,8 +8,8 @@ from contextlib import ExitStack
 
 from app.engine.engine import Engine
 from app.engine.mailboxes.backlog import Backlog
-from app.engine.mailboxes.latest import Latest
 from app.engine.snapshot import Snapshot
+from app.features.control.announced import AnnouncedLatest
 from app.features.control.messages import Hangs, SentTick, Watched
 
 HANGS_S = 0.5
@@ -46,7 +46,7 @@ class TickSender:
         self._each: Backlog[Snapshot] | None = None
         self._rate = 0.0
         """At which the engine's audience has somebody for the server [1/s]."""
-        engine.latest = _AnnouncedLatest(self._woken)
+        engine.latest = AnnouncedLatest(self._woken.set)
         self._thread = threading.Thread(target=self._work, name="ticks", daemon=True)
         self._thread.start()
 
@@ -104,16 +104,3 @@ class TickSender:
         if newer[1] is not last:  # also what is put after the last tick: that the loop has failed
             self._send(SentTick(newer[1], unbroken=False))
         return newer[0]
-
-
-class _AnnouncedLatest(Latest[Snapshot]):
-    """A mailbox that also wakes a thread."""
-
-    def __init__(self, woken: threading.Event) -> None:
-        super().__init__()
-        self._woken = woken
-
-    def put(self, value: Snapshot) -> None:
-        """Replace the value, and wake whoever waits for it."""
-        super().put(value)
-        self._woken.set()

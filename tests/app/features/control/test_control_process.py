@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import multiprocessing
 import os
 import re
 import resource
@@ -20,7 +19,7 @@ from engine_runs import drive, kinematic
 from app.engine.engine_thread import EngineThread
 from app.engine.program import LocalProgram
 from app.engine.snapshot import DrawnMap, Snapshot
-from app.features.control import remote, starting
+from app.features.control import remote
 from app.features.control.messages import Go, SentTick
 from app.features.control.remote import HELD_LOOK_S, RemoteProgram
 from app.features.faults.messages import SetFaultsCommand
@@ -67,8 +66,7 @@ def collected(program: RemoteProgram, count: int) -> list[Snapshot]:
     return snapshots
 
 
-def test_it_drives_as_the_same_robot_drives_in_one_process(monkeypatch):
-    monkeypatch.setattr(starting, "multiprocessing", multiprocessing)  # here it is begun anew
+def test_it_drives_as_the_same_robot_drives_in_one_process():
     here = kinematic(map="stub")
     expected = [here.engine.step() for _ in range(60)]
     here.robot.close()
