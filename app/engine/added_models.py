@@ -8,15 +8,18 @@ from functools import lru_cache
 from types import MappingProxyType
 from typing import Any
 
+import numpy as np
+
 from app.settings.config import Config
 from robot.fields.field import Field
-from robot.geometry import Pose2
+from robot.geometry import Array, Pose2
 from robot.localization.estimate import Alert
 from robot.localization.models.motion_models import MotionModel
 from robot.localization.models.sensor_models import SensorModel
 from robot.localization.parameters import LocalizationParameters
 from robot.scan import Scan
 
+SURE: Array = np.zeros((3, 3))
 InUse = tuple[SensorModel | None, MotionModel | None]
 
 
@@ -92,6 +95,11 @@ class AddedModels:
     def cleared(self, scan: Scan, odometry: Pose2) -> Scan:
         """Return a scan without what is no tape on the floor; ``odometry`` is at its stamp."""
         return scan
+
+    @property
+    def unsure(self) -> Array:
+        """By how much cleared scans may lead elsewhere: a covariance (3, 3) [m, m, rad]."""
+        return SURE
 
     def note_update(self) -> None:
         """Note that the filter has taken a scan, whether it has asked a model or not."""

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from app.engine.added_models import AddedModels, ModelChoice, choice_of
+from app.engine.added_models import SURE, AddedModels, ModelChoice, choice_of
 from app.engine.earlier_beliefs import EarlierBeliefs
 from app.engine.filter_models import FilterModels
 from app.engine.follower import FilterState, Follower
@@ -171,6 +171,7 @@ class Localization(Follower):
             scan = models.cleared(scan, pose)
             if models.lateness_doubted:
                 self._monitor.doubt_lateness()
+        self._monitor.of_clearing = sum((models.unsure for models in self.added), SURE)
         self.newest = scan, pose
         if self.by_hand.enabled:
             return

@@ -22,16 +22,30 @@ RANGE_SD, SLOPE = 0.002, 25.0
 """Standard deviation of a range [m], and how it grows with the range [1/m²]."""
 GATE = 0.05
 """A return farther from where it should be belongs to other tape [m]."""
-AHEAD, ASIDE, TURN, TURN_BY_WAY = 0.085, 0.03, 0.085, 0.06
-"""What odometry errs by, a step's standard deviation: shares of a way along and across the robot,
-of a turn, and a turn by the way [rad/m]."""
 STILL_SD = 3e-5, 1e-4
-"""The same of a robot that stands [m], [rad]."""
+"""What odometry of a robot that stands errs by, a step's standard deviation [m], [rad]."""
 LEAST_SD = 3e-4
 """Scans one after the other see the same errors of the drawing, so a place is not known better [m],
 [rad]."""
 UNKNOWN_SD = 1.0
 """Of a place of which nothing is known [m], [rad]."""
+
+
+class StepErrors(NamedTuple):
+    """What odometry errs by, a step's standard deviation, besides that of a robot that stands."""
+
+    ahead: float
+    """Share of a way, along the robot."""
+    aside: float
+    """Across it."""
+    turn: float
+    """Share of a turn."""
+    turn_by_way: float
+    """A turn by the way [rad/m]."""
+
+
+USUAL_STEPS = StepErrors(ahead=0.085, aside=0.03, turn=0.085, turn_by_way=0.06)
+"""Of wheels that slip now and then."""
 
 
 class Expected(NamedTuple):
@@ -75,14 +89,7 @@ class PlaceTracker:
         return widest(self.covariance)
 
     def _predict(self, moved: Pose2) -> None:
-        heading, way = self.pose.theta, math.hypot(moved.x, moved.y)
-        cos, sin = math.cos(heading), math.sin(heading)
-        dx, dy = cos * moved.x - sin * moved.y, sin * moved.x + cos * moved.y
-        motion = np.array([[1.0, 0.0, -dy], [0.0, 1.0, dx], [0.0, 0.0, 1.0]])
-        turn = TURN * abs(moved.theta) + TURN_BY_WAY * way + STILL_SD[1]
-        sds = np.array([AHEAD * way + STILL_SD[0], ASIDE * way + STILL_SD[0], turn])
-        to_map = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]]) * sds
-        added = to_map @ to_map.T
+        motion, added = step_model(self.pose, moved, USUAL_STEPS)
         self.covariance = motion @ self.covariance @ motion.T + added
         self.by_scans = motion @ self.by_scans @ motion.T + added
         self.pose = self.pose @ moved
@@ -90,6 +97,18 @@ class PlaceTracker:
     def expected(self, rays: Array, reach: float = REACH) -> Expected:
         """Return what rays (n, 9) should see of its edges from its pose within their reach [m]."""
         return expect(self.pose, rays, self._matcher.edge_index, reach)
+
+
+def step_model(pose: Pose2, moved: Pose2, errors: StepErrors) -> tuple[Array, Array]:
+    """Return how a step from a pose moves errors of the pose (3, 3), and what it adds (3, 3)."""
+    way = math.hypot(moved.x, moved.y)
+    cos, sin = math.cos(pose.theta), math.sin(pose.theta)
+    dx, dy = cos * moved.x - sin * moved.y, sin * moved.x + cos * moved.y
+    motion = np.array([[1.0, 0.0, -dy], [0.0, 1.0, dx], [0.0, 0.0, 1.0]])
+    turn = errors.turn * abs(moved.theta) + errors.turn_by_way * way + STILL_SD[1]
+    sds = np.array([errors.ahead * way + STILL_SD[0], errors.aside * way + STILL_SD[0], turn])
+    to_map = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]]) * sds
+    return motion, to_map @ to_map.T
 
 
 def _corrected(covariance: Array, gained: Array) -> Array:

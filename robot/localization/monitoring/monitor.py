@@ -131,6 +131,8 @@ class Monitor:
         self.contradicted = False
         """Whether the newest pose is where neither odometry nor slipping wheels can have led."""
         self.doubt = NO_DOUBT
+        self.of_clearing = np.zeros((3, 3))
+        """By how much the newest scan may lead elsewhere, as it was cleared [m², m², rad²]."""
         self.lateness = 0.0
         """How much later pictures seem to be stamped than they were taken [s]."""
         self._wheels: tuple[float, ...] = (0.0, 0.0, 0.0)
@@ -351,6 +353,7 @@ class Monitor:
         known = known + turned_covariance(self._measured, pose.theta)
         if self._slips or self._causes.alerts:
             unknown = HIDDEN * unknown
+        unknown = unknown + self.of_clearing
         if self._slips:
             unknown = unknown + self._slip.covariance
         elif mapped or float(errors.rest[:2].max()) > USUAL:

@@ -1,0 +1,156 @@
+"""LaidWatch: corrects scans of tape that lies a little beside its drawing, as laid by hand."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, NamedTuple
+
+from app.engine.added_models import SURE
+from app.features.misplaced_tape.place_watch import KnownPlace, PlaceWatch, Telling
+from robot.fields.field import Field
+from robot.geometry import Array, Pose2
+from robot.localization.estimate import Alert, Cause, State
+from robot.scan import Scan
+
+if TYPE_CHECKING:
+    from robot.misplaced_tape.as_laid import AsLaid, Laid
+    from robot.misplaced_tape.laid_search import LaidSearch
+    from robot.misplaced_tape.laid_tape import LaidTape
+
+RECENT = 15
+"""So many scans before a place came into doubt are looked at again."""
+
+
+class _Recent(NamedTuple):
+    """A scan as it was seen."""
+
+    scan: Scan
+    odometry: Pose2
+    known: KnownPlace | None
+    """The place after it; None unless it was certain."""
+
+
+@dataclass(slots=True, eq=False)
+class _Memory:
+    recent: deque[_Recent] = field(default_factory=lambda: deque(maxlen=RECENT))
+    search: LaidSearch | None = None
+    laid: AsLaid | None = None
+    """How the tape lies, as it was learnt; None if it lies as drawn."""
+    follows: bool = False
+    """Whether it follows the robot now: its place is known."""
+    newest: Scan | None = None
+    """As it was seen."""
+    telling: Telling = field(default_factory=Telling)
+
+
+class LaidWatch(PlaceWatch):
+    """Watches whether all tape lies a little beside its drawing."""
+
+    memory: _Memory
+
+    def __init__(self, floor: Field) -> None:
+        """Watch the tape of a field."""
+        super().__init__()
+        self._edges = floor.edges
+        self._tapes: tuple[LaidTape, LaidTape] | None = None
+        self.memory = _Memory()
+
+    @property
+    def alerts(self) -> tuple[Alert, ...]:
+        """How tape lies beside its drawing; nothing if it lies as drawn."""
+        laid = self.memory.laid
+        return () if laid is None else (_alert(laid.finding),)
+
+    @property
+    def unsure(self) -> Array:
+        """By how much corrected scans may lead elsewhere: a covariance (3, 3) [m, m, rad]."""
+        memory = self.memory
+        return memory.laid.unsure if memory.laid and memory.follows else SURE
+
+    def cleared(self, scan: Scan, odometry: Pose2) -> Scan:
+        """Return a scan as it would be if the tape lay as drawn."""
+        memory = self.memory
+        memory.newest = scan
+        return memory.laid.clear(scan, odometry) if memory.laid and memory.follows else scan
+
+    def look(self, state: State, pose: Pose2, covariance: Array, odometry: Pose2) -> None:
+        """Look how tape lies from when a place that was certain came into doubt."""
+        memory = self.memory
+        assert memory.newest is not None
+        known = None
+        if state is State.CERTAIN:
+            known = KnownPlace.widened(pose, covariance, odometry)
+        if memory.laid is not None:
+            if memory.follows:
+                memory.follows = not memory.laid.is_lost
+            elif known is not None:
+                memory.laid.restart(*known)
+                memory.follows = True
+            return
+        memory.recent.append(_Recent(memory.newest, odometry, known))
+        if memory.search is None and known is None:
+            self._begin()
+        elif memory.search is not None:
+            self._search(memory.search, memory.recent[-1])
+
+    def place(
+        self, state: State, pose: Pose2 | None, odometry: Pose2
+    ) -> tuple[Pose2, Array] | None:
+        """Return the place that is followed by tape as it lies."""
+        memory = self.memory
+        if memory.laid is None or not memory.follows or memory.newest is None:
+            return None
+        return memory.telling.place(
+            memory.newest.stamp, memory.laid.place(odometry), state, pose
+        )
+
+    def forget(self) -> None:
+        """Forget where the robot was: somebody has said where it is, or that nobody knows."""
+        memory = self.memory
+        memory.recent.clear()
+        memory.search, memory.follows = None, False
+
+    def _begin(self) -> None:
+        """Begin at the first place of the recent ones that was certain; without one, wait."""
+        from robot.misplaced_tape.laid_search import LaidSearch  # noqa: PLC0415 - the first doubt
+        from robot.misplaced_tape.laid_tape import LaidTape  # noqa: PLC0415
+
+        memory, recent = self.memory, list(self.memory.recent)
+        first = next((n for n, each in enumerate(recent) if each.known is not None), None)
+        if first is None:
+            return
+        if self._tapes is None:
+            self._tapes = LaidTape(self._edges, as_drawn=True), LaidTape(self._edges)
+        as_drawn, laid = self._tapes
+        begun = recent[first].known
+        if begun is None or not laid.is_small:
+            return
+        memory.search = LaidSearch(as_drawn, laid, *begun)
+        for each in recent[first + 1 :]:
+            if memory.search is not None:
+                self._search(memory.search, each)
+
+    def _search(self, search: LaidSearch, seen: _Recent) -> None:
+        from robot.misplaced_tape.as_laid import AsLaid  # noqa: PLC0415 - rarely
+
+        memory = self.memory
+        if search.add(seen.scan, seen.odometry):
+            memory.laid, memory.follows = AsLaid(search.tracker, seen.odometry), True
+            memory.search = None
+            memory.recent.clear()
+        elif search.failed:
+            memory.search = None
+
+
+def _alert(laid: Laid) -> Alert:
+    if laid.scale is not None:
+        percent = 100 * abs(laid.scale - 1)
+        if laid.scale > 1:
+            return Alert(Cause.MAP, f"the floor is {percent:.1f} % larger than its drawing")
+        return Alert(Cause.MAP, f"the floor is {percent:.1f} % smaller than its drawing")
+    return Alert(
+        Cause.MAP,
+        f"tape lies beside its drawing, most of all around x {laid.x:.2f} m, y {laid.y:.2f} m: "
+        f"{1000 * laid.aside:.0f} mm",
+    )

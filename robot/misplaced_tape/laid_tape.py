@@ -1,0 +1,101 @@
+"""LaidTape: where tape lies that was laid by hand, beside its place in the drawing.
+
+Each place on the tape is off by some millimetres, and places near each other by about the same: a
+Gaussian process, told by its values at some points of the drawing, the centres. Besides, the whole
+floor may be larger or smaller than its drawing.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from robot.fields.edge_index import index_edges
+from robot.fields.edges import lengths
+from robot.geometry import Array
+
+LAID_SD, SCALE_SD = 0.010, 0.02
+"""How far tape is off along each axis [m], and the floor's scale; standard deviations."""
+APART = 0.25
+"""Edges are cut into parts no longer than this, and centres are no nearer to each other [m]."""
+ALIKE = 0.25
+"""Places so far apart are off alike by exp(-1/2) [m]."""
+MOST_CENTRES = 60
+"""Drawings of more tape are taken as they are: following it would take too long."""
+JITTER = 1e-4
+"""Of the centres' variance, for its inverse."""
+
+
+class LaidTape:
+    """Parts of the edges of a drawing, and how they move with the offsets of the centres.
+
+    Offsets are (2 k + 1,): of k centres along x, then along y [m], and the scale less one.
+    """
+
+    referenced = True
+    """It never changes: states of a run that are stored share it."""
+
+    def __init__(self, edges: Array, *, as_drawn: bool = False) -> None:
+        """Take edges (n, 4) [m]; ``as_drawn``: they lie exactly where they are drawn."""
+        parts = _parts(edges)
+        self.starts, self.ends = parts[:, :2], parts[:, 2:]
+        """(m, 2) where each part starts and ends in the drawing [m]."""
+        centres = _centres(np.empty((0, 2)) if as_drawn else parts.reshape(-1, 2))
+        between = _likeness(centres, centres) + JITTER * np.eye(len(centres))
+        weights = np.linalg.inv(between)
+        self.start_weights = _likeness(self.starts, centres) @ weights
+        self.end_weights = _likeness(self.ends, centres) @ weights
+        """(m, k) by how much of each centre's offset they move."""
+        self.centres = centres
+        """(k, 2) [m]."""
+        count = len(centres)
+        self.prior = np.zeros((2 * count + 1, 2 * count + 1))
+        """Covariance of the offsets before anything was seen."""
+        self.prior[:count, :count] = self.prior[count:-1, count:-1] = LAID_SD**2 * between
+        self.prior[-1, -1] = 0.0 if as_drawn else SCALE_SD**2
+        self.drawn = index_edges(parts)
+        """The parts where they are drawn."""
+
+    @property
+    def is_small(self) -> bool:
+        """Whether it can be followed in time."""
+        return len(self.centres) <= MOST_CENTRES
+
+    def laid(self, offsets: Array) -> Array:
+        """Return the parts (m, 4) [m] as they lie with these offsets."""
+        shifts, scale = self.shifts(offsets), 1.0 + offsets[-1]
+        return np.hstack(
+            [
+                scale * self.starts + self.start_weights @ shifts,
+                scale * self.ends + self.end_weights @ shifts,
+            ]
+        )
+
+    def shifts(self, offsets: Array) -> Array:
+        """Return the offsets of the centres (k, 2) [m], without the scale."""
+        return offsets[:-1].reshape(2, -1).T
+
+
+def _parts(edges: Array) -> Array:
+    """Return the parts (m, 4) [m] of edges; none is longer than APART."""
+    count = np.maximum(np.ceil(lengths(edges) / APART), 1).astype(np.intp)
+    owner = np.repeat(np.arange(len(edges)), count)
+    rank = np.arange(len(owner)) - np.repeat(np.cumsum(count) - count, count)
+    begin, end = (rank / count[owner])[:, None], ((rank + 1) / count[owner])[:, None]
+    first, last = edges[owner, :2], edges[owner, 2:]
+    return np.hstack([first + begin * (last - first), first + end * (last - first)])
+
+
+def _centres(points: Array) -> Array:
+    """Return points (k, 2) that are spread over all points (n, 2), none near another."""
+    chosen: list[Array] = []
+    for point in points:
+        if all(np.hypot(*(point - other)) > APART for other in chosen):
+            chosen.append(point)
+    return np.array(chosen).reshape(-1, 2)
+
+
+def _likeness(points: Array, others: Array) -> Array:
+    """Return how much alike places (n, 2) and (m, 2) are off: (n, m), 1 for the same place."""
+    squared = ((points[:, None] - others[None]) ** 2).sum(axis=2)
+    alike: Array = np.exp(-squared / (2 * ALIKE**2))
+    return alike
