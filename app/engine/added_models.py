@@ -97,6 +97,11 @@ class AddedModels:
         return scan
 
     @property
+    def steps_explained(self) -> bool:
+        """Whether it shows, with the newest scan, why steps before it contradicted odometry."""
+        return False
+
+    @property
     def unsure(self) -> Array:
         """By how much cleared scans may lead elsewhere: a covariance (3, 3) [m, m, rad]."""
         return SURE

@@ -59,8 +59,9 @@ def outline(area: shapely.Geometry) -> Array:
 
 def followers(edges: Array) -> NDArray[np.intp]:
     """Return, for each of edges (n, 4), the edge (n,) that begins at its end; -1 if none does."""
-    first = {tuple(np.round(edge[:2], 6)): index for index, edge in enumerate(edges)}
-    return np.array([first.get(tuple(np.round(edge[2:], 6)), -1) for edge in edges], dtype=np.intp)
+    rounded = np.round(edges, 6).tolist()
+    first = {(x, y): index for index, (x, y, _, _) in enumerate(rounded)}
+    return np.array([first.get((x, y), -1) for _, _, x, y in rounded], dtype=np.intp)
 
 
 def smooth_joints(edges: Array) -> tuple[NDArray[np.intp], NDArray[np.intp], Array]:

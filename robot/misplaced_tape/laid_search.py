@@ -23,8 +23,8 @@ LEAST_SCANS = 20
 """So many scans must have been compared."""
 LONGEST = 600
 """After so many, nothing is found any more."""
-MISSES_SHARE = 0.05
-"""At most this share of the returns may not be as expected."""
+MISSES_SHARE, FADES = 0.05, 0.97
+"""At most this share of the last returns may not be as expected; counts fade with each scan."""
 
 
 class LaidSearch:
@@ -38,7 +38,8 @@ class LaidSearch:
         self.tracker = LaidTracker(laid, pose, covariance)
         self._odometry = odometry
         self._evidence = 0.0
-        self._scans = self._fits = self._misses = 0
+        self._fits = self._misses = 0.0
+        self._scans = 0
         self.failed = False
         """Whether it is not that, or it takes too long."""
 
@@ -53,8 +54,8 @@ class LaidSearch:
         self.tracker.step(moved, rays)
         self._evidence += min(self._as_drawn.leap, LARGEST_LEAP) ** 2 - self.tracker.leap**2
         self._scans += 1
-        self._fits += self.tracker.fits
-        self._misses += self.tracker.misses
+        self._fits = FADES * self._fits + self.tracker.fits
+        self._misses = FADES * self._misses + self.tracker.misses
         self.failed = self.tracker.leap > USUAL_LEAP or self._scans > LONGEST
         fits = self._misses <= MISSES_SHARE * self._fits
         return not self.failed and fits and self._scans >= LEAST_SCANS and self._evidence > ENOUGH

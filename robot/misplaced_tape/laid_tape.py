@@ -10,16 +10,18 @@ from __future__ import annotations
 import numpy as np
 
 from robot.fields.edge_index import index_edges
-from robot.fields.edges import lengths
+from robot.fields.edges import lengths, sample
 from robot.geometry import Array
 
 LAID_SD, SCALE_SD = 0.010, 0.02
 """How far tape is off along each axis [m], and the floor's scale; standard deviations."""
-APART = 0.25
-"""Edges are cut into parts no longer than this, and centres are no nearer to each other [m]."""
+LONGEST_PART = 0.2
+"""Edges are cut into parts no longer than this [m]."""
+APART, STEP = 0.2, 0.04
+"""Centres are no nearer to each other than this [m]; they are chosen of points so far apart."""
 ALIKE = 0.25
 """Places so far apart are off alike by exp(-1/2) [m]."""
-MOST_CENTRES = 60
+MOST_CENTRES = 150
 """Drawings of more tape are taken as they are: following it would take too long."""
 JITTER = 1e-4
 """Of the centres' variance, for its inverse."""
@@ -39,7 +41,7 @@ class LaidTape:
         parts = _parts(edges)
         self.starts, self.ends = parts[:, :2], parts[:, 2:]
         """(m, 2) where each part starts and ends in the drawing [m]."""
-        centres = _centres(np.empty((0, 2)) if as_drawn else parts.reshape(-1, 2))
+        centres = np.empty((0, 2)) if as_drawn else _centres(sample(edges, STEP)[0])
         between = _likeness(centres, centres) + JITTER * np.eye(len(centres))
         weights = np.linalg.inv(between)
         self.start_weights = _likeness(self.starts, centres) @ weights
@@ -76,8 +78,8 @@ class LaidTape:
 
 
 def _parts(edges: Array) -> Array:
-    """Return the parts (m, 4) [m] of edges; none is longer than APART."""
-    count = np.maximum(np.ceil(lengths(edges) / APART), 1).astype(np.intp)
+    """Return the parts (m, 4) [m] of edges; none is longer than LONGEST_PART."""
+    count = np.maximum(np.ceil(lengths(edges) / LONGEST_PART), 1).astype(np.intp)
     owner = np.repeat(np.arange(len(edges)), count)
     rank = np.arange(len(owner)) - np.repeat(np.cumsum(count) - count, count)
     begin, end = (rank / count[owner])[:, None], ((rank + 1) / count[owner])[:, None]
@@ -88,9 +90,9 @@ def _parts(edges: Array) -> Array:
 def _centres(points: Array) -> Array:
     """Return points (k, 2) that are spread over all points (n, 2), none near another."""
     chosen: list[Array] = []
-    for point in points:
-        if all(np.hypot(*(point - other)) > APART for other in chosen):
-            chosen.append(point)
+    while len(points):
+        chosen.append(points[0])
+        points = points[np.hypot(*(points - points[0]).T) > APART]
     return np.array(chosen).reshape(-1, 2)
 
 

@@ -16,14 +16,16 @@ from robot.interface import Reading, Robot
 from robot.scan import Scan
 
 MOST_EDGES = 600
-"""Drawings of more edges are not watched: it would take too long."""
+"""In drawings of more edges no single piece is looked for: it would take too long."""
 
 
 def tape_watches(config: Config, floor: Field) -> Sequence[PlaceWatch]:
     """Return what watches the tape of an engine's field; nothing if it is of walls."""
-    watched = floor.tape and floor.grid is None and len(floor.edges) <= MOST_EDGES
+    if not floor.tape or floor.grid is not None:
+        return []
     # A piece that lies elsewhere does so besides what all tape does.
-    return [LaidWatch(floor), TapeWatch(floor)] if watched else []
+    pieces = [TapeWatch(floor)] if len(floor.edges) <= MOST_EDGES else []
+    return [LaidWatch(floor), *pieces]
 
 
 class TapeCompanion:
@@ -49,7 +51,7 @@ class TapeCompanion:
         if newest is self._newest or newest is None or belief is None:
             return
         self._newest, odometry = newest, newest[1]
-        state, estimate = localization.integrity.state, belief.estimate
+        claim, estimate = localization.integrity, belief.estimate
         self.shown = None
         for models in localization.added:
             if not isinstance(models, PlaceWatch) or localization.paused:
@@ -60,9 +62,9 @@ class TapeCompanion:
             best = max(estimate.hypotheses, key=lambda each: each.weight, default=None)
             if best is not None:
                 pose = best.pose @ belief.moved(odometry)
-                models.look(state, pose, best.covariance, odometry)
+                models.look(claim, pose, best.covariance, odometry)
             present = controls.odometry.at(reading.stamp).odom_from_robot
-            place = models.place(state, belief.pose(present), present)
+            place = models.place(claim.state, belief.pose(present), present)
             if place is not None:
                 localization.note(present)
                 localization.set_pose(*place)

@@ -10,7 +10,7 @@ from app.engine.added_models import SURE
 from app.features.misplaced_tape.place_watch import KnownPlace, PlaceWatch, Telling
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2
-from robot.localization.estimate import Alert, Cause, State
+from robot.localization.estimate import BOUNDED, Alert, Cause, Integrity, State
 from robot.scan import Scan
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ class _Recent(NamedTuple):
     scan: Scan
     odometry: Pose2
     known: KnownPlace | None
-    """The place after it; None unless it was certain."""
+    """The place after it; None unless it was known."""
 
 
 @dataclass(slots=True, eq=False)
@@ -39,6 +39,10 @@ class _Memory:
     """How the tape lies, as it was learnt; None if it lies as drawn."""
     follows: bool = False
     """Whether it follows the robot now: its place is known."""
+    corrects: bool = False
+    """Whether it has corrected a scan since it follows the robot."""
+    is_new: bool = False
+    """Whether the newest scan is the first that is corrected."""
     newest: Scan | None = None
     """As it was seen."""
     telling: Telling = field(default_factory=Telling)
@@ -63,6 +67,11 @@ class LaidWatch(PlaceWatch):
         return () if laid is None else (_alert(laid.finding),)
 
     @property
+    def steps_explained(self) -> bool:
+        """Whether the newest scan is the first that is corrected: tape explains what was odd."""
+        return self.memory.is_new
+
+    @property
     def unsure(self) -> Array:
         """By how much corrected scans may lead elsewhere: a covariance (3, 3) [m, m, rad]."""
         memory = self.memory
@@ -72,18 +81,22 @@ class LaidWatch(PlaceWatch):
         """Return a scan as it would be if the tape lay as drawn."""
         memory = self.memory
         memory.newest = scan
-        return memory.laid.clear(scan, odometry) if memory.laid and memory.follows else scan
+        if memory.laid is None or not memory.follows:
+            return scan
+        memory.is_new = not memory.corrects
+        memory.corrects = True
+        return memory.laid.clear(scan, odometry)
 
-    def look(self, state: State, pose: Pose2, covariance: Array, odometry: Pose2) -> None:
-        """Look how tape lies from when a place that was certain came into doubt."""
+    def look(self, claim: Integrity, pose: Pose2, covariance: Array, odometry: Pose2) -> None:
+        """Look how tape lies from when a place that was known came into doubt."""
         memory = self.memory
         assert memory.newest is not None
         known = None
-        if state is State.CERTAIN:
-            known = KnownPlace.widened(pose, covariance, odometry)
+        if claim.state in BOUNDED:
+            known = KnownPlace.claimed(claim, pose, covariance, odometry)
         if memory.laid is not None:
             if memory.follows:
-                memory.follows = not memory.laid.is_lost
+                memory.follows = memory.corrects = not memory.laid.is_lost
             elif known is not None:
                 memory.laid.restart(*known)
                 memory.follows = True
@@ -109,10 +122,10 @@ class LaidWatch(PlaceWatch):
         """Forget where the robot was: somebody has said where it is, or that nobody knows."""
         memory = self.memory
         memory.recent.clear()
-        memory.search, memory.follows = None, False
+        memory.search, memory.follows, memory.corrects = None, False, False
 
     def _begin(self) -> None:
-        """Begin at the first place of the recent ones that was certain; without one, wait."""
+        """Begin at the first place of the recent ones that was known; without one, wait."""
         from robot.misplaced_tape.laid_search import LaidSearch  # noqa: PLC0415 - the first doubt
         from robot.misplaced_tape.laid_tape import LaidTape  # noqa: PLC0415
 

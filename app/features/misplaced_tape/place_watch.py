@@ -11,10 +11,12 @@ import numpy as np
 from app.engine.added_models import AddedModels
 from robot.covariance import widest
 from robot.geometry import Array, Pose2
-from robot.localization.estimate import KNOWN, State
+from robot.localization.estimate import KNOWN, Integrity, State
 
 KNOWN_SDS = (0.005, 0.005, 0.01)
 """What a place may be off that is certain or followed, besides its covariance [m, m, rad]."""
+BOUND_SDS = 3.5
+"""A bound that holds in 99.9 % is about so many standard deviations of a place or a heading."""
 AWAY_M, AWAY_S = 0.04, 0.5
 """The filter is told the place if it knows none, or one that is farther away than this [m], for so
 long [s]."""
@@ -28,16 +30,19 @@ Outline = tuple[tuple[float, float, float, float], ...]
 
 
 class KnownPlace(NamedTuple):
-    """A place that was certain."""
+    """A place that was known."""
 
     pose: Pose2
     covariance: Array
     odometry: Pose2
 
     @classmethod
-    def widened(cls, pose: Pose2, covariance: Array, odometry: Pose2) -> KnownPlace:
-        """Return a place that may be off by a little more than it is said to be."""
-        return cls(pose, covariance + np.diag(np.square(KNOWN_SDS)), odometry)
+    def claimed(
+        cls, claim: Integrity, pose: Pose2, covariance: Array, odometry: Pose2
+    ) -> KnownPlace:
+        """Return a place that may be off by as much as is claimed, or by more."""
+        along, turn = claim.radius / BOUND_SDS, claim.heading_bound / BOUND_SDS
+        return cls(pose, covariance + np.diag(np.square([along, along, turn])), odometry)
 
 
 @dataclass(slots=True)
@@ -82,11 +87,11 @@ class PlaceWatch(AddedModels):
         """Where the drawing has tape that does not lie there; None if all does."""
         return None
 
-    def look(self, state: State, pose: Pose2, covariance: Array, odometry: Pose2) -> None:
+    def look(self, claim: Integrity, pose: Pose2, covariance: Array, odometry: Pose2) -> None:
         """Look whether the place is known that the newest scan has led to.
 
         Args:
-            state: what is claimed of it.
+            claim: what is claimed of it.
             pose: the likeliest place.
             covariance: its covariance (3, 3) [m, m, rad].
             odometry: at the scan's stamp.

@@ -6,10 +6,18 @@ import math
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from app.features.misplaced_tape.place_watch import KnownPlace, Outline, PlaceWatch, Telling
+import numpy as np
+
+from app.features.misplaced_tape.place_watch import (
+    KNOWN_SDS,
+    KnownPlace,
+    Outline,
+    PlaceWatch,
+    Telling,
+)
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2
-from robot.localization.estimate import BOUNDED, Alert, Cause, State
+from robot.localization.estimate import BOUNDED, Alert, Cause, Integrity, State
 from robot.scan import Scan
 
 if TYPE_CHECKING:
@@ -71,20 +79,20 @@ class TapeWatch(PlaceWatch):
         memory.newest = scan, odometry
         return scan if memory.without is None else memory.without.clear(scan, odometry)
 
-    def look(self, state: State, pose: Pose2, covariance: Array, odometry: Pose2) -> None:
+    def look(self, claim: Integrity, pose: Pose2, covariance: Array, odometry: Pose2) -> None:
         """Look for the piece while a place that was certain is in doubt."""
         memory = self.memory
         assert memory.newest is not None
         scan, _ = memory.newest
         if memory.without is not None:
             self._mind(memory.without)
-        if state is State.CERTAIN:
-            memory.known = KnownPlace.widened(pose, covariance, odometry)
+        if claim.state is State.CERTAIN:
+            memory.known = KnownPlace(pose, covariance + np.diag(np.square(KNOWN_SDS)), odometry)
             memory.certain_at, memory.search = scan.stamp, None
             if memory.finding is not None and memory.without is None:
                 self._follow_without(memory.finding, memory.known)
             return
-        if memory.finding is not None or memory.known is None or state in BOUNDED:
+        if memory.finding is not None or memory.known is None or claim.state in BOUNDED:
             return
         if DOUBT_S < scan.stamp - memory.certain_at < LONGEST_S:
             self._search(memory.known, scan, odometry)

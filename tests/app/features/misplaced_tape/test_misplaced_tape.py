@@ -18,7 +18,7 @@ from app.features.misplaced_tape.companion import tape_watches
 from app.features.misplaced_tape.watch import TapeWatch
 from app.settings.config import MAPS, Config
 from robot.fields.field_loading import load_field
-from robot.localization.estimate import BOUNDED, Cause, State
+from robot.localization.estimate import BOUNDED, Cause, Integrity, State
 
 KNOWN = np.diag([1e-4, 1e-4, 1e-3])
 
@@ -66,7 +66,7 @@ def test_nothing_is_said_before_the_place_was_certain():
     drive = lap_drive(config, 0.1).drive
     tick = next(each for each in drive.ticks if each.scan is not None)
     assert watch.cleared(tick.scan, tick.odometry) is tick.scan
-    watch.look(State.LOST, tick.truth, KNOWN, tick.odometry)
+    watch.look(Integrity(State.LOST), tick.truth, KNOWN, tick.odometry)
     assert watch.memory.search is None
     assert watch.place(State.LOST, None, tick.odometry) is None
 
