@@ -97,8 +97,8 @@ class AddedModels:
         return scan
 
     @property
-    def steps_explained(self) -> bool:
-        """Whether it shows, with the newest scan, why steps before it contradicted odometry."""
+    def errors_explained(self) -> bool:
+        """Whether it shows, with the newest scan, what was taken for errors of the robot."""
         return False
 
     @property

@@ -171,8 +171,8 @@ class Localization(Follower):
             scan = models.cleared(scan, pose)
             if models.lateness_doubted:
                 self._monitor.doubt_lateness()
-            if models.steps_explained:
-                self._monitor.restart()
+            if models.errors_explained:
+                self._monitor.forget()
         self._monitor.of_clearing = sum((models.unsure for models in self.added), SURE)
         self.newest = scan, pose
         if self.by_hand.enabled:

@@ -67,8 +67,8 @@ class LaidWatch(PlaceWatch):
         return () if laid is None else (_alert(laid.finding),)
 
     @property
-    def steps_explained(self) -> bool:
-        """Whether the newest scan is the first that is corrected: tape explains what was odd."""
+    def errors_explained(self) -> bool:
+        """Whether the newest scan is the first that is corrected: before it, tape misled."""
         return self.memory.is_new
 
     @property

@@ -112,41 +112,44 @@ class Monitor:
         self._fit = FitCheck()
         self.use(evidence, model_suspected=model_suspected)
         self._mounting = mounting
+        self._errors = errors
         self._measured = np.diag(errors.measured**2)
         """Covariance (3, 3) of what a calibration leaves open, along the robot's axes."""
-        self._odometry = OdometryCheck(errors)
-        self._camera = MountingCheck(errors)
-        self._tilt_of_steps = np.zeros(2)
-        """Pitch and roll [rad] that were taken off the scans of the steps compared."""
         self._causes = Causes()
         self._stamp: float | None = None
-        self._last: tuple[Hypothesis, Pose2] | None = None
-        """Hypothesis and odometry of the last scan."""
         self._seen = -math.inf
         """Stamp at which edges were last seen [s]."""
         self._slip = SlipCheck()
-        self._torn = self._slips = self._sways = False
-        """Whether the steps of the pose do not agree with odometry; whether it is slip; and whether
-        they differ in heading only, and do not last."""
-        self.contradicted = False
-        """Whether the newest pose is where neither odometry nor slipping wheels can have led."""
-        self.doubt = NO_DOUBT
         self.of_clearing = np.zeros((3, 3))
         """By how much the newest scan may lead elsewhere, as it was cleared [m², m², rad²]."""
+        self.forget()
+
+    def forget(self) -> None:
+        """Forget the robot's errors and the steps so far: what was seen has another reason."""
+        self._odometry = OdometryCheck(self._errors)
+        self._camera = MountingCheck(self._errors)
+        self._tilt_of_steps = np.zeros(2)
+        """Pitch and roll [rad] that were taken off the scans of the steps compared."""
         self.lateness = 0.0
         """How much later pictures seem to be stamped than they were taken [s]."""
         self._wheels: tuple[float, ...] = (0.0, 0.0, 0.0)
         """Apparent errors of odometry: forward [-], turn by distance [rad/m], and turn [-]."""
         self.looseness = 1.0
         """Factor on odometry's usual standard deviations."""
+        self.restart()
 
     def restart(self) -> None:
         """Restart at another given pose: keep the robot's errors, and drop the steps so far."""
         self._odometry.restart()
         self._fit.restart()
         self._slip.restart()
-        self._last, self._torn, self._slips, self._sways = None, False, False, False
+        self._last: tuple[Hypothesis, Pose2] | None = None
+        """Hypothesis and odometry of the last scan."""
+        self._torn = self._slips = self._sways = False
+        """Whether the steps of the pose do not agree with odometry; whether it is slip; and whether
+        they differ in heading only, and do not last."""
         self.contradicted = False
+        """Whether the newest pose is where neither odometry nor slipping wheels can have led."""
         self._causes.forget()
         self.doubt = NO_DOUBT
 
