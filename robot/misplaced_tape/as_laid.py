@@ -109,7 +109,13 @@ class AsLaid:
         """Whether the robot is no longer where it is followed."""
         looked = self._fits + self._misses
         odd = looked > LEAST_RAYS and self._misses > LOST_SHARE * looked
-        return odd or self._torn > TORN_SCANS or self.width > LOST_M
+        torn = self._torn > TORN_SCANS or not self.is_plausible
+        return odd or torn or self.width > LOST_M
+
+    @property
+    def is_plausible(self) -> bool:
+        """Whether the tape may lie as it was learnt."""
+        return self._tracker.is_plausible
 
     @property
     def width(self) -> float:

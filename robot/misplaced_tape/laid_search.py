@@ -56,6 +56,7 @@ class LaidSearch:
         self._scans += 1
         self._fits = FADES * self._fits + self.tracker.fits
         self._misses = FADES * self._misses + self.tracker.misses
-        self.failed = self.tracker.leap > USUAL_LEAP or self._scans > LONGEST
+        torn = self.tracker.leap > USUAL_LEAP or not self.tracker.is_plausible
+        self.failed = torn or self._scans > LONGEST
         fits = self._misses <= MISSES_SHARE * self._fits
         return not self.failed and fits and self._scans >= LEAST_SCANS and self._evidence > ENOUGH

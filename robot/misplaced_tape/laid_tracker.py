@@ -26,7 +26,12 @@ REACH = 1.5
 RANGE_SD = 0.001
 """Standard deviation of a near range [m]."""
 STEPS = StepErrors(ahead=0.0425, aside=0.015, turn=0.0425, turn_by_way=0.03)
-"""What odometry errs by."""
+"""What odometry errs by, step by step."""
+WHEELS_SD, LASTING = (0.03, 0.05, 0.03), 0.98
+"""What it errs by for a while, as wheels slip: shares of a way, turns by the way [rad/m], and
+shares of a turn; standard deviations. So much of that is left at the next scan."""
+POSE, WHEELS, OFFSETS = slice(0, 3), slice(3, 6), slice(6, None)
+"""Where the state has pose, the wheels' errors and offsets."""
 MARGIN = 0.03
 """Tape so near to where a ray's sight begins may be missed [m]."""
 STEEP = 0.25
@@ -34,6 +39,10 @@ STEEP = 0.25
 GATE, GATE_SDS, LEAST_GATE = 0.05, 4.0, 0.01
 """A return belongs to other tape if it lies farther from where it should be than any of these [m],
 [standard deviations], but not if it is nearer than the last [m]."""
+DUE, CLEAR = 0.5, 0.5
+"""Tape nearer than this [m] must be seen, by rays that return it with a larger probability."""
+LARGEST_OFFSET = 0.035
+"""Tape that lies farther aside was not laid so by hand [m]."""
 FEWEST = 3
 """Fewer returns of a scan tell nothing."""
 LEAST_SHARE = 1e-9
@@ -46,13 +55,15 @@ class _Looks(NamedTuple):
     errors: Array
     """(n,) of their ranges [m]."""
     slopes: Array
-    """(n, 3 + 2 k + 1) of the expected ranges, by pose and offsets."""
+    """(n, 6 + 2 k + 1) of the expected ranges, by pose, wheels and offsets."""
     variances: Array
     """(n,) of the ranges [m²]."""
+    unseen: int
+    """How many other rays return nothing, where tape is expected."""
 
 
 class LaidTracker:
-    """A Kalman filter of a place and of offsets: odometry predicts, scans correct.
+    """A Kalman filter of place, wheels and offsets: odometry predicts, scans correct.
 
     It is the map of SLAM (Thrun, Burgard, Fox: Probabilistic Robotics, chapter 10), with a prior:
     the drawing.
@@ -62,10 +73,13 @@ class LaidTracker:
         """Begin at a pose with a covariance (3, 3) [m, m, rad]."""
         self.tape = tape
         self.pose = pose
+        self.wheels = np.zeros(3)
+        """Errors of odometry, as ``WHEELS_SD`` has them."""
         self.offsets = np.zeros(len(tape.prior))
-        self._joint = np.zeros((3 + len(tape.prior),) * 2)
-        self._joint[3:, 3:] = tape.prior
-        self._joint[:3, :3] = covariance
+        self._joint = np.zeros((6 + len(tape.prior),) * 2)
+        self._joint[POSE, POSE] = covariance
+        self._joint[WHEELS, WHEELS] = np.diag(np.square(WHEELS_SD))
+        self._joint[OFFSETS, OFFSETS] = tape.prior
         self.leap = 0.0
         """By how many standard deviations the last scan contradicts the step before it."""
         self.fits = self.misses = 0
@@ -75,46 +89,65 @@ class LaidTracker:
     @property
     def covariance(self) -> Array:
         """Of the pose (3, 3) [m, m, rad]."""
-        return self._joint[:3, :3].copy()
+        return self._joint[POSE, POSE].copy()
+
+    @property
+    def is_plausible(self) -> bool:
+        """Whether the tape may lie so, if it was laid by hand."""
+        aside = np.hypot(*self.tape.shifts(self.offsets).T)
+        return len(aside) == 0 or float(aside.max()) < LARGEST_OFFSET
 
     @property
     def offsets_covariance(self) -> Array:
         """Of the offsets (2 k + 1, 2 k + 1)."""
-        return self._joint[3:, 3:].copy()
+        return self._joint[OFFSETS, OFFSETS].copy()
 
     def restart(self, pose: Pose2, covariance: Array) -> None:
-        """Go on elsewhere; what was learnt of the tape stays."""
+        """Go on elsewhere; what was learnt of tape and wheels stays."""
         self.pose = pose
-        self._joint[:3], self._joint[:, :3] = 0.0, 0.0
-        self._joint[:3, :3] = covariance
+        self._joint[POSE], self._joint[:, POSE] = 0.0, 0.0
+        self._joint[POSE, POSE] = covariance
 
     def step(self, moved: Pose2, rays: Array) -> None:
         """Follow a step of odometry, and compare rays (n, 9) with the tape."""
-        motion, added = step_model(self.pose, moved, STEPS)
-        self._joint[:3] = motion @ self._joint[:3]
-        self._joint[:, :3] = self._joint[:, :3] @ motion.T
-        self._joint[:3, :3] += added + LEAST_SD**2 * np.eye(3)
-        self.pose = self.pose @ moved
+        self._predict(moved)
         self.leap = 0.0
-        errors, slopes, variances = self._looks(rays)
+        errors, slopes, variances, unseen = self._looks(rays)
         spread = slopes @ self._joint
         expected = (spread * slopes).sum(axis=1) + variances
         gate = np.minimum(GATE, np.maximum(LEAST_GATE, GATE_SDS * np.sqrt(expected)))
         fits = np.abs(errors) < gate
-        self.fits, self.misses = int(fits.sum()), int((~fits).sum())
+        self.fits, self.misses = int(fits.sum()), unseen + int((~fits).sum())
         if self.fits < FEWEST:
             return
         errors, slopes, spread = errors[fits], slopes[fits], spread[fits]
         innovation = spread @ slopes.T + np.diag(variances[fits])
-        self.leap = _leap(errors, slopes[:, :3] / variances[fits, None], innovation)
+        self.leap = _leap(errors, slopes[:, POSE] / variances[fits, None], innovation)
         gain = np.linalg.solve(innovation, spread).T
         change = gain @ errors
         joint = self._joint - gain @ spread
         self._joint = (joint + joint.T) / 2
-        dx, dy, turn = change[:3].tolist()
+        dx, dy, turn = change[POSE].tolist()
         self.pose = Pose2(self.pose.x + dx, self.pose.y + dy, self.pose.theta + turn)
-        self.offsets = self.offsets + change[3:]
+        self.wheels = self.wheels + change[WHEELS]
+        self.offsets = self.offsets + change[OFFSETS]
         self._lay()
+
+    def _predict(self, moved: Pose2) -> None:
+        ahead, turn_by_way, turn = self.wheels.tolist()
+        theta = (1 + turn) * moved.theta + turn_by_way * moved.x
+        step = Pose2((1 + ahead) * moved.x, (1 + ahead) * moved.y, theta)
+        motion, added = step_model(self.pose, step, STEPS)
+        way = Pose2(theta=self.pose.theta).apply(np.array([moved.x, moved.y]))
+        by_wheels = np.array([[way[0], 0.0, 0.0], [way[1], 0.0, 0.0], [0.0, moved.x, moved.theta]])
+        joint = self._joint
+        self.wheels = LASTING * self.wheels
+        joint[WHEELS], joint[:, WHEELS] = LASTING * joint[WHEELS], LASTING * joint[:, WHEELS]
+        joint[WHEELS, WHEELS] += (1 - LASTING**2) * np.diag(np.square(WHEELS_SD))
+        joint[POSE] = motion @ joint[POSE] + by_wheels @ joint[WHEELS]
+        joint[:, POSE] = joint[:, POSE] @ motion.T + joint[:, WHEELS] @ by_wheels.T
+        joint[POSE, POSE] += added + LEAST_SD**2 * np.eye(3)
+        self.pose = self.pose @ step
 
     def expected(self, pose: Pose2, rays: Array, *, drawn: bool = False) -> Array:
         """Return what rays (n, 9) should see from a pose (n,) [m]; as laid, or as drawn."""
@@ -136,8 +169,12 @@ class LaidTracker:
         ranges, edges = self._expected(self.pose, rays, self._index)
         towards = heading_vectors(self.pose.theta + rays[:, column.DIRECTION])
         steep = -(self._across[edges] * towards).sum(axis=1) > STEEP
-        seen = np.isfinite(rays[:, column.RANGE]) & (rays[:, column.RANGE] < REACH)
-        used = seen & steep & np.isfinite(ranges) & (ranges > rays[:, column.NEAR] + MARGIN)
+        seen = np.isfinite(rays[:, column.RANGE])
+        due = steep & np.isfinite(ranges) & (ranges > rays[:, column.NEAR] + MARGIN)
+        clear = ~np.isfinite(rays[:, column.HIDDEN_FROM]) & (rays[:, column.CLEAR] > CLEAR)
+        unseen = ~seen & clear & (ranges < np.minimum(rays[:, column.FAR] - MARGIN, DUE))
+        used = due & seen & (rays[:, column.RANGE] < REACH)
+        missing = int((due & unseen).sum())
         rays, ranges, edges, towards = rays[used], ranges[used], edges[used], towards[used]
         starts = self.pose.apply(rays[:, [column.X, column.Y]])
         points = starts + ranges[:, None] * towards
@@ -152,11 +189,12 @@ class LaidTracker:
         weights = before * tape.start_weights[edges] + after * tape.end_weights[edges]
         drawn = before * tape.starts[edges] + after * tape.ends[edges]
         by_scale = (by_edge * drawn).sum(axis=1)
+        none = np.zeros((len(ranges), 3))
         slopes = np.column_stack(
-            [-by_edge, by_turn, by_edge[:, :1] * weights, by_edge[:, 1:] * weights, by_scale]
+            [-by_edge, by_turn, none, by_edge[:, :1] * weights, by_edge[:, 1:] * weights, by_scale]
         )
         deviations = RANGE_SD * (1 + SLOPE * ranges**2)
-        return _Looks(rays[:, column.RANGE] - ranges, slopes, deviations**2)
+        return _Looks(rays[:, column.RANGE] - ranges, slopes, deviations**2, missing)
 
 
 def _leap(errors: Array, by_pose: Array, innovation: Array) -> float:

@@ -95,7 +95,9 @@ class LaidWatch(PlaceWatch):
         if claim.state in BOUNDED:
             known = KnownPlace.claimed(claim, pose, covariance, odometry)
         if memory.laid is not None:
-            if memory.follows:
+            if not memory.laid.is_plausible:
+                memory.laid, memory.follows, memory.corrects = None, False, False
+            elif memory.follows:
                 memory.follows = memory.corrects = not memory.laid.is_lost
             elif known is not None:
                 memory.laid.restart(*known)
