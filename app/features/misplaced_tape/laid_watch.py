@@ -116,6 +116,9 @@ class LaidWatch(PlaceWatch):
         memory = self.memory
         if memory.laid is None or not memory.follows or memory.newest is None:
             return None
+        if not memory.corrects and state not in BOUNDED:
+            # What brought the place into doubt has its reason: the robot was never elsewhere.
+            memory.telling, state = Telling(), State.LOST
         return memory.telling.place(
             memory.newest.stamp, memory.laid.place(odometry), state, pose
         )
