@@ -91,8 +91,8 @@ class AsLaid:
             self._step(moved, scan)
         every = rays_of(scan, len(scan.ranges))
         tracker, seen = self._tracker, every[:, column.RANGE]
-        laid = tracker.expected(tracker.pose, every)
-        drawn = tracker.expected(self._shown(tracker.pose), every, drawn=True)
+        laid = tracker.expected(every)
+        drawn = tracker.drawn(self._shown(tracker.pose), every)
         with np.errstate(invalid="ignore"):
             shift = drawn - laid
             own = np.abs(seen - laid) < GATE + GATE_BY_RANGE2 * laid**2

@@ -8,12 +8,13 @@ and not with the second, it is the tape; if they do with both, it is the robot.
 from __future__ import annotations
 
 from robot.geometry import Array, Pose2
+from robot.localization.monitoring.mounting_check import CameraPosition
 from robot.misplaced_tape.laid_tape import LaidTape
 from robot.misplaced_tape.laid_tracker import LaidTracker
 from robot.misplaced_tape.search import RAYS, stands
 from robot.scan import Scan, rays_of
 
-ENOUGH = 80.0
+ENOUGH = 40.0
 """So much larger the sum of squared leaps must be with tape as drawn."""
 LARGEST_LEAP = 10.0
 """No leap counts for more [standard deviations]."""
@@ -31,11 +32,25 @@ class LaidSearch:
     """Looks for it from a known place on; scan by scan, for one thread."""
 
     def __init__(
-        self, as_drawn: LaidTape, laid: LaidTape, pose: Pose2, covariance: Array, odometry: Pose2
+        self,
+        tapes: tuple[LaidTape, LaidTape],
+        mounting: CameraPosition,
+        pose: Pose2,
+        covariance: Array,
+        odometry: Pose2,
     ) -> None:
-        """Begin where the robot was known to be, with a covariance (3, 3) [m, m, rad]."""
-        self._as_drawn = LaidTracker(as_drawn, pose, covariance)
-        self.tracker = LaidTracker(laid, pose, covariance)
+        """Begin where the robot was known to be.
+
+        Args:
+            tapes: exactly as drawn, and as it may lie.
+            mounting: of the camera, or a laser's.
+            pose: the place.
+            covariance: its covariance (3, 3) [m, m, rad].
+            odometry: there.
+        """
+        self._as_drawn, self.tracker = (
+            LaidTracker(tape, mounting, pose, covariance) for tape in tapes
+        )
         self._odometry = odometry
         self._evidence = 0.0
         self._fits = self._misses = 0.0

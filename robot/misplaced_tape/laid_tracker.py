@@ -6,11 +6,13 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robot import ray_columns as column
 from robot.fields.edge_index import EdgeIndex, index_edges
 from robot.fields.edges import normals
 from robot.geometry import Array, Pose2, heading_vectors
+from robot.localization.monitoring.mounting_check import CameraPosition
 from robot.misplaced_tape.laid_tape import LaidTape
 from robot.misplaced_tape.tracker import (
     LEAST_SD,
@@ -27,15 +29,19 @@ RANGE_SD = 0.001
 """Standard deviation of a near range [m]."""
 STEPS = StepErrors(ahead=0.0425, aside=0.015, turn=0.0425, turn_by_way=0.03)
 """What odometry errs by, step by step."""
-WHEELS_SD, LASTING = (0.03, 0.05, 0.03), 0.98
+WHEELS_SD, LASTING = (0.02, 0.05, 0.03), 0.98
 """What it errs by for a while, as wheels slip: shares of a way, turns by the way [rad/m], and
 shares of a turn; standard deviations. So much of that is left at the next scan."""
-POSE, WHEELS, OFFSETS = slice(0, 3), slice(3, 6), slice(6, None)
-"""Where the state has pose, the wheels' errors and offsets."""
+CAMERA_SD = (math.radians(0.3), math.radians(0.3), 0.003)
+"""What a camera errs by that was mounted with care: pitch and roll [rad], and its height, or focal
+length, as a share; standard deviations."""
+POSE, WHEELS, CAMERA, OFFSETS = slice(0, 3), slice(3, 6), slice(6, 9), slice(9, None)
+"""Where the state has pose, the errors of wheels and camera, and offsets."""
 MARGIN = 0.03
 """Tape so near to where a ray's sight begins may be missed [m]."""
-STEEP = 0.25
-"""Rays that meet an edge at a smaller sine of the angle tell too little."""
+STEEP, LEAST_STEEP = 0.25, 0.05
+"""Rays that meet an edge at a smaller sine of the angle tell too little; by no smaller one a range
+is divided."""
 GATE, GATE_SDS, LEAST_GATE = 0.05, 4.0, 0.01
 """A return belongs to other tape if it lies farther from where it should be than any of these [m],
 [standard deviations], but not if it is nearer than the last [m]."""
@@ -55,7 +61,7 @@ class _Looks(NamedTuple):
     errors: Array
     """(n,) of their ranges [m]."""
     slopes: Array
-    """(n, 6 + 2 k + 1) of the expected ranges, by pose, wheels and offsets."""
+    """(n, 9 + 2 k + 1) of the expected ranges, by all that the state has."""
     variances: Array
     """(n,) of the ranges [m²]."""
     unseen: int
@@ -63,22 +69,28 @@ class _Looks(NamedTuple):
 
 
 class LaidTracker:
-    """A Kalman filter of place, wheels and offsets: odometry predicts, scans correct.
+    """A Kalman filter of place, wheels, camera and offsets: odometry predicts, scans correct.
 
     It is the map of SLAM (Thrun, Burgard, Fox: Probabilistic Robotics, chapter 10), with a prior:
     the drawing.
     """
 
-    def __init__(self, tape: LaidTape, pose: Pose2, covariance: Array) -> None:
-        """Begin at a pose with a covariance (3, 3) [m, m, rad]."""
-        self.tape = tape
+    def __init__(
+        self, tape: LaidTape, mounting: CameraPosition, pose: Pose2, covariance: Array
+    ) -> None:
+        """Begin at a pose with a covariance (3, 3) [m, m, rad]; a camera, or a laser, looks."""
+        self.tape, self._mounting = tape, mounting
         self.pose = pose
         self.wheels = np.zeros(3)
         """Errors of odometry, as ``WHEELS_SD`` has them."""
+        self.camera = np.zeros(3)
+        """Errors of the camera, as ``CAMERA_SD`` has them."""
         self.offsets = np.zeros(len(tape.prior))
-        self._joint = np.zeros((6 + len(tape.prior),) * 2)
+        self._joint = np.zeros((OFFSETS.start + len(tape.prior),) * 2)
         self._joint[POSE, POSE] = covariance
         self._joint[WHEELS, WHEELS] = np.diag(np.square(WHEELS_SD))
+        if math.isfinite(mounting.height):
+            self._joint[CAMERA, CAMERA] = np.diag(np.square(CAMERA_SD))
         self._joint[OFFSETS, OFFSETS] = tape.prior
         self.leap = 0.0
         """By how many standard deviations the last scan contradicts the step before it."""
@@ -130,6 +142,7 @@ class LaidTracker:
         dx, dy, turn = change[POSE].tolist()
         self.pose = Pose2(self.pose.x + dx, self.pose.y + dy, self.pose.theta + turn)
         self.wheels = self.wheels + change[WHEELS]
+        self.camera = self.camera + change[CAMERA]
         self.offsets = self.offsets + change[OFFSETS]
         self._lay()
 
@@ -149,9 +162,20 @@ class LaidTracker:
         joint[POSE, POSE] += added + LEAST_SD**2 * np.eye(3)
         self.pose = self.pose @ step
 
-    def expected(self, pose: Pose2, rays: Array, *, drawn: bool = False) -> Array:
-        """Return what rays (n, 9) should see from a pose (n,) [m]; as laid, or as drawn."""
-        return self._expected(pose, rays, self.tape.drawn if drawn else self._index).ranges
+    def expected(self, rays: Array) -> Array:
+        """Return what rays (n, 9) should see (n,) [m]: the tape as laid, by the camera as it is."""
+        ranges, edges = self._expected(self.pose, rays, self._index)
+        seen = np.isfinite(ranges)
+        rays, edges = rays[seen], edges[seen]
+        towards = heading_vectors(self.pose.theta + rays[:, column.DIRECTION])
+        points = self._points(rays, ranges[seen], towards)
+        by_edge = self._by_edge(edges, towards)
+        ranges[seen] += self._by_camera(by_edge, points) @ self.camera
+        return ranges
+
+    def drawn(self, pose: Pose2, rays: Array) -> Array:
+        """Return what rays (n, 9) should see from a pose (n,) [m] if all were as drawn."""
+        return self._expected(pose, rays, self.tape.drawn).ranges
 
     def _expected(self, pose: Pose2, rays: Array, index: EdgeIndex) -> Expected:
         # Nothing before a ray's sight hides what lies in it.
@@ -176,11 +200,7 @@ class LaidTracker:
         used = due & seen & (rays[:, column.RANGE] < REACH)
         missing = int((due & unseen).sum())
         rays, ranges, edges, towards = rays[used], ranges[used], edges[used], towards[used]
-        starts = self.pose.apply(rays[:, [column.X, column.Y]])
-        points = starts + ranges[:, None] * towards
-        across = self._across[edges]
-        # How a range grows when the edge moves along x, and along y.
-        by_edge = across / (across * towards).sum(axis=1)[:, None]
+        points, by_edge = self._points(rays, ranges, towards), self._by_edge(edges, towards)
         x, y = (points - (self.pose.x, self.pose.y)).T
         by_turn = by_edge[:, 0] * y - by_edge[:, 1] * x
         first, last = self._edges[edges, :2], self._edges[edges, 2:]
@@ -189,12 +209,34 @@ class LaidTracker:
         weights = before * tape.start_weights[edges] + after * tape.end_weights[edges]
         drawn = before * tape.starts[edges] + after * tape.ends[edges]
         by_scale = (by_edge * drawn).sum(axis=1)
+        by_offsets = [by_edge[:, :1] * weights, by_edge[:, 1:] * weights, by_scale]
+        by_camera = self._by_camera(by_edge, points)
+        ranges = ranges + by_camera @ self.camera
         none = np.zeros((len(ranges), 3))
-        slopes = np.column_stack(
-            [-by_edge, by_turn, none, by_edge[:, :1] * weights, by_edge[:, 1:] * weights, by_scale]
-        )
+        slopes = np.column_stack([-by_edge, by_turn, none, by_camera, *by_offsets])
         deviations = RANGE_SD * (1 + SLOPE * ranges**2)
         return _Looks(rays[:, column.RANGE] - ranges, slopes, deviations**2, missing)
+
+    def _points(self, rays: Array, ranges: Array, towards: Array) -> Array:
+        """Return the points (n, 2) [m] that rays (n, 9) see at these ranges."""
+        return self.pose.apply(rays[:, [column.X, column.Y]]) + ranges[:, None] * towards
+
+    def _by_edge(self, edges: NDArray[np.int64], towards: Array) -> Array:
+        """Return how ranges (n, 2) grow when the edges move along x, and along y."""
+        across = self._across[edges]
+        steep: Array = (across * towards).sum(axis=1)
+        return across / np.minimum(steep, -LEAST_STEEP)[:, None]
+
+    def _by_camera(self, by_edge: Array, points: Array) -> Array:
+        """Return how ranges (n, 3) [m] grow with the camera's errors: points seem to move."""
+        if not math.isfinite(self._mounting.height):
+            return np.zeros((len(points), 3))
+        local = self.pose.inverse().apply(points)
+        away = local - (self._mounting.x, 0.0)
+        moves = np.concatenate([self._mounting.shifts(local), away[:, :, None]], axis=2)
+        axes = heading_vectors(self.pose.theta + np.array([0.0, math.pi / 2]))
+        result: Array = np.einsum("ij,ijk->ik", by_edge @ axes.T, moves)
+        return result
 
 
 def _leap(errors: Array, by_pose: Array, innovation: Array) -> float:

@@ -13,6 +13,7 @@ from app.settings.config import Config
 from robot.fields.field import Field
 from robot.geometry import Pose2
 from robot.interface import Reading, Robot
+from robot.localization.monitoring.mounting_check import CameraPosition
 from robot.scan import Scan
 
 MOST_EDGES = 600
@@ -60,6 +61,8 @@ class TapeCompanion:
                 models.forget()
             self.shown = models.outline or self.shown
             best = max(estimate.hypotheses, key=lambda each: each.weight, default=None)
+            if isinstance(models, LaidWatch):
+                models.mounting = CameraPosition.of(localization.scanner.view)
             if best is not None:
                 pose = best.pose @ belief.moved(odometry)
                 models.look(claim, pose, best.covariance, odometry)

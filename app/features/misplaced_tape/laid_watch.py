@@ -11,6 +11,7 @@ from app.features.misplaced_tape.place_watch import KnownPlace, PlaceWatch, Tell
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2
 from robot.localization.estimate import BOUNDED, Alert, Cause, Integrity, State
+from robot.localization.monitoring.mounting_check import LASER
 from robot.scan import Scan
 
 if TYPE_CHECKING:
@@ -59,6 +60,8 @@ class LaidWatch(PlaceWatch):
         self._edges = floor.edges
         self._tapes: tuple[LaidTape, LaidTape] | None = None
         self.memory = _Memory()
+        self.mounting = LASER
+        """Of what takes the scans."""
 
     @property
     def alerts(self) -> tuple[Alert, ...]:
@@ -140,11 +143,10 @@ class LaidWatch(PlaceWatch):
             return
         if self._tapes is None:
             self._tapes = LaidTape(self._edges, as_drawn=True), LaidTape(self._edges)
-        as_drawn, laid = self._tapes
         begun = recent[first].known
-        if begun is None or not laid.is_small:
+        if begun is None or not self._tapes[1].is_small:
             return
-        memory.search = LaidSearch(as_drawn, laid, *begun)
+        memory.search = LaidSearch(self._tapes, self.mounting, *begun)
         for each in recent[first + 1 :]:
             if memory.search is not None:
                 self._search(memory.search, each)
