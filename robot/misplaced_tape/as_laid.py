@@ -53,11 +53,6 @@ class Laid:
 class AsLaid:
     """The place of a robot while all tape lies a little beside its drawing."""
 
-    piece = None
-    """No piece is left out."""
-    fits_again = False
-    """What was learnt of the tape stays true."""
-
     def __init__(self, tracker: LaidTracker, odometry: Pose2) -> None:
         """Go on from where a search has followed the robot to, at an odometry pose."""
         self._tracker, self._odometry = tracker, odometry

@@ -1,11 +1,13 @@
 """LaidSearch: finds whether all tape lies a little beside its drawing, as if laid by hand.
 
-A robot that was certain, and then contradicts odometry, is followed from there twice: with tape
-exactly as drawn, and with tape that may lie beside it. If steps contradict odometry with the first
-and not with the second, it is the tape; if they do with both, it is the robot.
+A robot whose place was known, and then contradicts odometry, is followed from there by tape exactly
+as drawn, and by tape that may lie beside it. If steps contradict odometry with the first and not
+with the second, it is the tape; if they do with both, it is the robot.
 """
 
 from __future__ import annotations
+
+import math
 
 from robot.geometry import Array, Pose2
 from robot.localization.monitoring.mounting_check import CameraPosition
@@ -14,13 +16,11 @@ from robot.misplaced_tape.laid_tracker import LaidTracker
 from robot.misplaced_tape.search import RAYS, stands
 from robot.scan import Scan, rays_of
 
-ENOUGH = 40.0
-"""So much larger the sum of squared leaps must be with tape as drawn."""
-LARGEST_LEAP = 10.0
-"""No leap counts for more [standard deviations]."""
+ENOUGH = 60.0
+"""So much larger the sum of surprises must be with tape as drawn."""
 USUAL_LEAP = 4.0
 """With tape as laid, no leap may be larger [standard deviations]."""
-LEAST_SCANS = 20
+LEAST_SCANS = 30
 """So many scans must have been compared."""
 LONGEST = 600
 """After so many, nothing is found any more."""
@@ -28,12 +28,30 @@ MISSES_SHARE, FADES = 0.05, 0.97
 """At most this share of the last returns may not be as expected; counts fade with each scan."""
 
 
+class LaidTapes:
+    """How the tape of a drawing may lie."""
+
+    referenced = True
+    """It never changes: states of a run that are stored share it."""
+
+    def __init__(self, edges: Array) -> None:
+        """Take edges (n, 4) [m] of the drawing."""
+        self.as_drawn = LaidTape(edges, scales=False, bends=False)
+        self.others = LaidTape(edges, bends=False), LaidTape(edges)
+        """Larger or smaller as a whole; or each place off by itself, too."""
+
+    @property
+    def is_small(self) -> bool:
+        """Whether a robot can be followed by each of them in time."""
+        return all(tape.is_small for tape in self.others)
+
+
 class LaidSearch:
     """Looks for it from a known place on; scan by scan, for one thread."""
 
     def __init__(
         self,
-        tapes: tuple[LaidTape, LaidTape],
+        tapes: LaidTapes,
         mounting: CameraPosition,
         pose: Pose2,
         covariance: Array,
@@ -42,36 +60,63 @@ class LaidSearch:
         """Begin where the robot was known to be.
 
         Args:
-            tapes: exactly as drawn, and as it may lie.
+            tapes: how the tape may lie.
             mounting: of the camera, or a laser's.
             pose: the place.
             covariance: its covariance (3, 3) [m, m, rad].
             odometry: there.
         """
-        self._as_drawn, self.tracker = (
-            LaidTracker(tape, mounting, pose, covariance) for tape in tapes
-        )
+        self._as_drawn = LaidTracker(tapes.as_drawn, mounting, pose, covariance)
+        self._others = [
+            _Candidate(LaidTracker(tape, mounting, pose, covariance)) for tape in tapes.others
+        ]
         self._odometry = odometry
-        self._evidence = 0.0
-        self._fits = self._misses = 0.0
         self._scans = 0
-        self.failed = False
-        """Whether it is not that, or it takes too long."""
 
-    def add(self, scan: Scan, odometry: Pose2) -> bool:
-        """Take one more scan, and odometry at its stamp; return whether tape lies beside."""
+    @property
+    def failed(self) -> bool:
+        """Whether it is not that, or it takes too long."""
+        return self._scans > LONGEST or all(each.failed for each in self._others)
+
+    def add(self, scan: Scan, odometry: Pose2) -> LaidTracker | None:
+        """Take one more scan, and odometry at its stamp; return who follows tape as it lies."""
         moved = self._odometry.inverse() @ odometry
-        if stands(moved) or self.failed:
-            return False
+        if stands(moved):
+            return None
         self._odometry = odometry
+        self._scans += 1
         rays = rays_of(scan, RAYS)
         self._as_drawn.step(moved, rays)
-        self.tracker.step(moved, rays)
-        self._evidence += min(self._as_drawn.leap, LARGEST_LEAP) ** 2 - self.tracker.leap**2
-        self._scans += 1
-        self._fits = FADES * self._fits + self.tracker.fits
-        self._misses = FADES * self._misses + self.tracker.misses
-        torn = self.tracker.leap > USUAL_LEAP or not self.tracker.is_plausible
-        self.failed = torn or self._scans > LONGEST
+        for each in self._others:
+            each.step(moved, rays, self._as_drawn.surprise)
+        if self._scans < LEAST_SCANS:
+            return None
+        best = max(self._others, key=lambda each: each.evidence)
+        return best.tracker if best.evidence > ENOUGH else None
+
+
+class _Candidate:
+    """One way in which tape may lie, and what speaks for it."""
+
+    def __init__(self, tracker: LaidTracker) -> None:
+        self.tracker = tracker
+        self.failed = False
+        """Whether steps contradict odometry with it, too."""
+        self._evidence = self._fits = self._misses = 0.0
+
+    @property
+    def evidence(self) -> float:
+        """How much less surprising scans were than with tape as drawn; none if they do not fit."""
         fits = self._misses <= MISSES_SHARE * self._fits
-        return not self.failed and fits and self._scans >= LEAST_SCANS and self._evidence > ENOUGH
+        return self._evidence if fits and not self.failed else -math.inf
+
+    def step(self, moved: Pose2, rays: Array, surprise: float) -> None:
+        """Follow a step of odometry, and compare rays (n, 9); they surprise so with another."""
+        if self.failed:
+            return
+        tracker = self.tracker
+        tracker.step(moved, rays)
+        self._evidence += surprise - tracker.surprise
+        self._fits = FADES * self._fits + tracker.fits
+        self._misses = FADES * self._misses + tracker.misses
+        self.failed = tracker.leap > USUAL_LEAP or not tracker.is_plausible

@@ -17,7 +17,7 @@ LAID_SD, SCALE_SD = 0.010, 0.02
 """How far tape is off along each axis [m], and the floor's scale; standard deviations."""
 LONGEST_PART = 0.2
 """Edges are cut into parts no longer than this [m]."""
-APART, STEP = 0.2, 0.04
+APART, STEP = 0.15, 0.03
 """Centres are no nearer to each other than this [m]; they are chosen of points so far apart."""
 ALIKE = 0.25
 """Places so far apart are off alike by exp(-1/2) [m]."""
@@ -36,12 +36,18 @@ class LaidTape:
     referenced = True
     """It never changes: states of a run that are stored share it."""
 
-    def __init__(self, edges: Array, *, as_drawn: bool = False) -> None:
-        """Take edges (n, 4) [m]; ``as_drawn``: they lie exactly where they are drawn."""
+    def __init__(self, edges: Array, *, scales: bool = True, bends: bool = True) -> None:
+        """Take edges (n, 4) [m].
+
+        Args:
+            edges: of the drawing.
+            scales: whether the floor may be larger or smaller than the drawing.
+            bends: whether each place may be off by itself.
+        """
         parts = _parts(edges)
         self.starts, self.ends = parts[:, :2], parts[:, 2:]
         """(m, 2) where each part starts and ends in the drawing [m]."""
-        centres = np.empty((0, 2)) if as_drawn else _centres(sample(edges, STEP)[0])
+        centres = _centres(sample(edges, STEP)[0]) if bends else np.empty((0, 2))
         between = _likeness(centres, centres) + JITTER * np.eye(len(centres))
         weights = np.linalg.inv(between)
         self.start_weights = _likeness(self.starts, centres) @ weights
@@ -53,7 +59,7 @@ class LaidTape:
         self.prior = np.zeros((2 * count + 1, 2 * count + 1))
         """Covariance of the offsets before anything was seen."""
         self.prior[:count, :count] = self.prior[count:-1, count:-1] = LAID_SD**2 * between
-        self.prior[-1, -1] = 0.0 if as_drawn else SCALE_SD**2
+        self.prior[-1, -1] = SCALE_SD**2 if scales else 0.0
         self.drawn = index_edges(parts)
         """The parts where they are drawn."""
 

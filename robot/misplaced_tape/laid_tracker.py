@@ -23,6 +23,8 @@ from robot.misplaced_tape.tracker import (
     step_model,
 )
 
+RAY_WORTH = 0.03
+"""Weight of one ray: errors of neighbouring rays, and of scans one after the other, are alike."""
 REACH = 1.5
 """How far returns are compared [m]: those that are far away move the filter, too."""
 RANGE_SD = 0.001
@@ -51,6 +53,8 @@ LARGEST_OFFSET = 0.035
 """Tape that lies farther aside was not laid so by hand [m]."""
 FEWEST = 3
 """Fewer returns of a scan tell nothing."""
+LARGEST_LEAP = 10.0
+"""No leap surprises by more [standard deviations]."""
 LEAST_SHARE = 1e-9
 """Directions that a scan tells less about, as a share of the best, are left out."""
 
@@ -92,8 +96,9 @@ class LaidTracker:
         if math.isfinite(mounting.height):
             self._joint[CAMERA, CAMERA] = np.diag(np.square(CAMERA_SD))
         self._joint[OFFSETS, OFFSETS] = tape.prior
-        self.leap = 0.0
-        """By how many standard deviations the last scan contradicts the step before it."""
+        self.leap = self.surprise = 0.0
+        """By how many standard deviations the last scan contradicts the step before it; and minus
+        twice the log-likelihood of that, but for what is the same with any tape."""
         self.fits = self.misses = 0
         """How many returns of the last scan were as expected, and how many not."""
         self._lay()
@@ -123,7 +128,7 @@ class LaidTracker:
     def step(self, moved: Pose2, rays: Array) -> None:
         """Follow a step of odometry, and compare rays (n, 9) with the tape."""
         self._predict(moved)
-        self.leap = 0.0
+        self.leap = self.surprise = 0.0
         errors, slopes, variances, unseen = self._looks(rays)
         spread = slopes @ self._joint
         expected = (spread * slopes).sum(axis=1) + variances
@@ -134,8 +139,9 @@ class LaidTracker:
             return
         errors, slopes, spread = errors[fits], slopes[fits], spread[fits]
         innovation = spread @ slopes.T + np.diag(variances[fits])
-        self.leap = _leap(errors, slopes[:, POSE] / variances[fits, None], innovation)
-        gain = np.linalg.solve(innovation, spread).T
+        self.leap, self.surprise = _leap(errors, slopes[:, POSE], variances[fits], innovation)
+        rays_alike = spread @ slopes.T + np.diag(variances[fits] / RAY_WORTH)
+        gain = np.linalg.solve(rays_alike, spread).T
         change = gain @ errors
         joint = self._joint - gain @ spread
         self._joint = (joint + joint.T) / 2
@@ -239,15 +245,24 @@ class LaidTracker:
         return result
 
 
-def _leap(errors: Array, by_pose: Array, innovation: Array) -> float:
-    """Return by how many standard deviations errors (n,) ask for another pose.
+def _leap(
+    errors: Array, slopes: Array, variances: Array, innovation: Array
+) -> tuple[float, float]:
+    """Return by how many standard deviations errors ask for another pose, and the surprise.
 
     Args:
-        errors: of ranges [m].
-        by_pose: (n, 3) slopes by pose, divided by the ranges' variances.
+        errors: of ranges (n,) [m].
+        slopes: of ranges by the pose (n, 3).
+        variances: of each range alone (n,) [m²].
         innovation: covariance (n, n) that errors should have.
     """
-    values, axes = np.linalg.eigh(by_pose.T @ innovation @ by_pose)
+    by_pose = slopes / variances[:, None]
+    expected, alone = by_pose.T @ innovation @ by_pose, slopes.T @ by_pose
+    values, axes = np.linalg.eigh(expected)
     asked = axes.T @ (by_pose.T @ errors)
     told = values > LEAST_SHARE * values[-1]
-    return math.sqrt(float((asked[told] ** 2 / values[told]).sum()))
+    squared = float((asked[told] ** 2 / values[told]).sum())
+    least = LEAST_SHARE * np.trace(alone) * np.eye(3)
+    wider = np.linalg.slogdet(expected + least)[1] - np.linalg.slogdet(alone + least)[1]
+    leap = math.sqrt(squared)
+    return leap, min(leap, LARGEST_LEAP) ** 2 + float(wider)

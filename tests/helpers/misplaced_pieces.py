@@ -1,4 +1,4 @@
-"""Drives over tape of which one piece lies elsewhere, or is missing, seen by a perfect laser."""
+"""Drives over tape that lies elsewhere, or is missing, seen by a perfect laser."""
 
 from __future__ import annotations
 
@@ -27,15 +27,38 @@ def moved(field: Field, piece: TapePiece, shift: tuple[float, float] | None) -> 
     return replace(field, edges=edges)
 
 
+def laid_by_hand(field: Field, seed: int, sd: float = 0.008, scale: float = 1.0) -> Field:
+    """Return a field whose tape is off by so much [m], smoothly, and which is larger."""
+    rng = np.random.default_rng(seed)
+    waves = rng.normal(0.0, 1 / 0.3, (6, 2))
+    sizes, phases = rng.normal(0.0, sd * np.sqrt(2 / 6), (6, 2)), rng.uniform(0, 6.3, 6)
+    points = _parts(field.edges).reshape(-1, 2)
+    shifts = np.cos(points @ waves.T + phases) @ sizes
+    return replace(field, edges=(scale * points + shifts).reshape(-1, 4))
+
+
+def _parts(edges: Array) -> Array:
+    """Return edges cut into tenths, which bend."""
+    cuts = np.linspace(0, 1, 11)[:, None, None]
+    points = edges[:, :2] + cuts * (edges[:, 2:] - edges[:, :2])
+    return np.concatenate([points[:-1], points[1:]], axis=2).reshape(-1, 4)
+
+
 def laps(
-    floor: Field, seconds: float, start: Pose2 = Pose2(0.0, -0.2), *, seed: int = 4
+    floor: Field,
+    seconds: float,
+    start: Pose2 = Pose2(0.0, -0.2),
+    *,
+    seed: int = 4,
+    reach: float = REACH,
+    wheels: tuple[float, float] = WHEELS,
 ) -> Iterator[tuple[Scan, Pose2, Pose2]]:
     """Drive in circles to the left; scans, odometry that errs a little, and the truth."""
     rng, truth, odometry = np.random.default_rng(seed), start, Pose2()
     step = Pose2(0.15 * PERIOD, 0.0, 0.75 * PERIOD)
-    reported = Pose2(WHEELS[0] * step.x, 0.0, WHEELS[1] * step.theta)
+    reported = Pose2(wheels[0] * step.x, 0.0, wheels[1] * step.theta)
     for number in range(round(seconds / PERIOD)):
-        seen: Array = floor.ranges((truth @ CENTRE).to_array()[None], BEARINGS, REACH)[0]
+        seen: Array = floor.ranges((truth @ CENTRE).to_array()[None], BEARINGS, reach)[0]
         seen = seen + rng.normal(0.0, NOISE, len(seen))
         yield Scan(number * PERIOD, BEARINGS, seen, CENTRE), odometry, truth
         truth, odometry = truth @ step, odometry @ reported

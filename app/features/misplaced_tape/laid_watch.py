@@ -16,8 +16,7 @@ from robot.scan import Scan
 
 if TYPE_CHECKING:
     from robot.misplaced_tape.as_laid import AsLaid, Laid
-    from robot.misplaced_tape.laid_search import LaidSearch
-    from robot.misplaced_tape.laid_tape import LaidTape
+    from robot.misplaced_tape.laid_search import LaidSearch, LaidTapes
 
 RECENT = 15
 """So many scans before a place came into doubt are looked at again."""
@@ -58,7 +57,7 @@ class LaidWatch(PlaceWatch):
         """Watch the tape of a field."""
         super().__init__()
         self._edges = floor.edges
-        self._tapes: tuple[LaidTape, LaidTape] | None = None
+        self._tapes: LaidTapes | None = None
         self.memory = _Memory()
         self.mounting = LASER
         """Of what takes the scans."""
@@ -134,17 +133,15 @@ class LaidWatch(PlaceWatch):
 
     def _begin(self) -> None:
         """Begin at the first place of the recent ones that was known; without one, wait."""
-        from robot.misplaced_tape.laid_search import LaidSearch  # noqa: PLC0415 - the first doubt
-        from robot.misplaced_tape.laid_tape import LaidTape  # noqa: PLC0415
+        from robot.misplaced_tape.laid_search import LaidSearch, LaidTapes  # noqa: PLC0415 - rarely
 
         memory, recent = self.memory, list(self.memory.recent)
         first = next((n for n, each in enumerate(recent) if each.known is not None), None)
         if first is None:
             return
-        if self._tapes is None:
-            self._tapes = LaidTape(self._edges, as_drawn=True), LaidTape(self._edges)
+        self._tapes = self._tapes or LaidTapes(self._edges)
         begun = recent[first].known
-        if begun is None or not self._tapes[1].is_small:
+        if begun is None or not self._tapes.is_small:
             return
         memory.search = LaidSearch(self._tapes, self.mounting, *begun)
         for each in recent[first + 1 :]:
@@ -155,8 +152,9 @@ class LaidWatch(PlaceWatch):
         from robot.misplaced_tape.as_laid import AsLaid  # noqa: PLC0415 - rarely
 
         memory = self.memory
-        if search.add(seen.scan, seen.odometry):
-            memory.laid, memory.follows = AsLaid(search.tracker, seen.odometry), True
+        tracker = search.add(seen.scan, seen.odometry)
+        if tracker is not None:
+            memory.laid, memory.follows = AsLaid(tracker, seen.odometry), True
             memory.search = None
             memory.recent.clear()
         elif search.failed:
