@@ -71,12 +71,13 @@ class AsLaid:
         """How the tape lies."""
         tape, offsets = self._tracker.tape, self._tracker.offsets
         sd = float(np.sqrt(self._tracker.offsets_covariance[-1, -1]))
-        scale = float(offsets[-1])
-        aside = np.hypot(*tape.shifts(offsets).T)
+        scale, aside = float(offsets[-1]), np.hypot(*tape.shifts(offsets).T)
+        told = 1 + scale if abs(scale) > SHOWN_SDS * sd or not len(aside) else None
+        if not len(aside):
+            return Laid(told, 0.0, 0.0, 0.0)
         most = int(np.argmax(aside))
         x, y = tape.centres[most].tolist()
-        told = abs(scale) > SHOWN_SDS * sd
-        return Laid(1 + scale if told else None, float(aside[most]), x, y)
+        return Laid(told, float(aside[most]), x, y)
 
     def clear(self, scan: Scan, odometry: Pose2) -> Scan:
         """Follow the robot by one more scan, and return it as tape as drawn would be seen."""

@@ -7,6 +7,8 @@ floor may be larger or smaller than its drawing.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from robot.fields.edge_index import index_edges
@@ -60,6 +62,7 @@ class LaidTape:
         """Covariance of the offsets before anything was seen."""
         self.prior[:count, :count] = self.prior[count:-1, count:-1] = LAID_SD**2 * between
         self.prior[-1, -1] = SCALE_SD**2 if scales else 0.0
+        self._information = np.linalg.pinv(self.prior, hermitian=True)
         self.drawn = index_edges(parts)
         """The parts where they are drawn."""
 
@@ -77,6 +80,13 @@ class LaidTape:
                 scale * self.ends + self.end_weights @ shifts,
             ]
         )
+
+    def unlikelihood(self, offsets: Array) -> float:
+        """Return by how many standard deviations tape so laid is more unlikely than it may be."""
+        # Fisher: the root of twice a chi-square is about normal.
+        free = max(2 * int((self.prior.diagonal() > 0).sum()) - 1, 0)
+        squared = float(offsets @ self._information @ offsets)
+        return math.sqrt(2 * squared) - math.sqrt(free)
 
     def shifts(self, offsets: Array) -> Array:
         """Return the offsets of the centres (k, 2) [m], without the scale."""

@@ -51,6 +51,8 @@ DUE, CLEAR = 0.5, 0.5
 """Tape nearer than this [m] must be seen, by rays that return it with a larger probability."""
 LARGEST_OFFSET = 0.035
 """Tape that lies farther aside was not laid so by hand [m]."""
+UNLIKELY = 3.5
+"""Nor tape of which so much lies far aside [standard deviations]."""
 FEWEST = 3
 """Fewer returns of a scan tell nothing."""
 LARGEST_LEAP = 10.0
@@ -112,7 +114,8 @@ class LaidTracker:
     def is_plausible(self) -> bool:
         """Whether the tape may lie so, if it was laid by hand."""
         aside = np.hypot(*self.tape.shifts(self.offsets).T)
-        return len(aside) == 0 or float(aside.max()) < LARGEST_OFFSET
+        near = len(aside) == 0 or float(aside.max()) < LARGEST_OFFSET
+        return near and self.tape.unlikelihood(self.offsets) < UNLIKELY
 
     @property
     def offsets_covariance(self) -> Array:

@@ -54,3 +54,15 @@ def test_tape_as_drawn_does_not_move():
     tape = LaidTape(load_field("square", MAPS).edges, scales=False, bends=False)
     assert len(tape.centres) == 0
     assert not tape.prior.any()
+
+
+@pytest.mark.parametrize("name", FIELDS)
+def test_offsets_that_are_drawn_from_the_prior_are_likely(name):
+    """Its text: about normal, so hardly one in a thousand is beyond 3."""
+    tape, rng = LaidTape(load_field(name, MAPS).edges), np.random.default_rng(1)
+    drawn = rng.multivariate_normal(np.zeros(len(tape.prior)), tape.prior, 500)
+    values = np.array([tape.unlikelihood(offsets) for offsets in drawn])
+    assert abs(values.mean()) < 0.2
+    assert 0.8 < values.std() < 1.2
+    assert tape.unlikelihood(3 * drawn[0]) > 5
+

@@ -37,7 +37,8 @@ def followed(floor, seconds=20.0, tracker=None):
 def test_slopes_are_those_of_the_expected_ranges(seed):
     rng = np.random.default_rng(seed)
     tracker = LaidTracker(TAPE, CAMERA_SEES, Pose2(0.05, -0.1, rng.uniform(-3, 3)), KNOWN)
-    tracker.camera, tracker.offsets = rng.normal(0, 0.004, 3), rng.normal(0, 0.004, len(TAPE.prior))
+    tracker.camera = rng.normal(0, 0.0005, 3)  # what it changes of other slopes is left out
+    tracker.offsets = rng.normal(0, 0.004, len(TAPE.prior))
     tracker._lay()
     scan, _, _ = next(laps(FIELD, 1.0, tracker.pose, reach=0.9))
     rays = rays_of(scan, 61)
@@ -83,7 +84,7 @@ def test_its_standard_deviation_tells_how_far_it_is_off():
     for seed in range(6):
         tracker, errors = followed(laid_by_hand(FIELD, 40 + seed), 12.0)
         ratios.append(errors[-1] ** 2 / np.trace(tracker.covariance[:2, :2]) * 2)
-    assert 0.2 < np.mean(ratios) < 5
+    assert 0.2 < np.mean(ratios) < 3
 
 
 def test_a_floor_that_is_larger_is_told():
@@ -100,7 +101,7 @@ def test_steps_of_a_robot_that_was_moved_contradict_odometry():
         last = odometry
         leaps.append(tracker.leap)
     assert leaps[0] > 8
-    assert max(leaps[3:]) < 4
+    assert max(leaps[10:]) < 3
 
 
 def test_what_was_learnt_of_the_tape_stays_when_the_robot_is_elsewhere():
