@@ -8,18 +8,16 @@ from functools import lru_cache
 from types import MappingProxyType
 from typing import Any
 
-import numpy as np
-
 from app.settings.config import Config
 from robot.fields.field import Field
-from robot.geometry import Array, Pose2
+from robot.geometry import Pose2
 from robot.localization.estimate import Alert
 from robot.localization.models.motion_models import MotionModel
 from robot.localization.models.sensor_models import SensorModel
+from robot.localization.monitoring.monitor import Monitor
 from robot.localization.parameters import LocalizationParameters
 from robot.scan import Scan
 
-SURE: Array = np.zeros((3, 3))
 InUse = tuple[SensorModel | None, MotionModel | None]
 
 
@@ -74,11 +72,6 @@ class AddedModels:
         """Reasons for doubt that it sees; those that the filter finds are their consequences."""
         return ()
 
-    @property
-    def lateness_doubted(self) -> bool:
-        """Whether the newest scan shows that pictures come later, or earlier, than before."""
-        return False
-
     def choose(self, choice: ModelChoice | None) -> None:
         """Choose models by name, None those of the start; ``make`` follows."""
 
@@ -96,15 +89,8 @@ class AddedModels:
         """Return a scan without what is no tape on the floor; ``odometry`` is at its stamp."""
         return scan
 
-    @property
-    def errors_explained(self) -> bool:
-        """Whether it shows, with the newest scan, what was taken for errors of the robot."""
-        return False
-
-    @property
-    def unsure(self) -> Array:
-        """By how much cleared scans may lead elsewhere: a covariance (3, 3) [m, m, rad]."""
-        return SURE
+    def advise(self, monitor: Monitor) -> None:
+        """Tell the filter's monitor what the newest scan shows that it cannot know."""
 
     def note_update(self) -> None:
         """Note that the filter has taken a scan, whether it has asked a model or not."""

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from app.engine.added_models import SURE, AddedModels, ModelChoice, choice_of
+from app.engine.added_models import AddedModels, ModelChoice, choice_of
 from app.engine.earlier_beliefs import EarlierBeliefs
 from app.engine.filter_models import FilterModels
 from app.engine.follower import FilterState, Follower
@@ -169,11 +169,7 @@ class Localization(Follower):
         """Update the filter with a scan, and the odometry's pose at its stamp."""
         for models in self.added:
             scan = models.cleared(scan, pose)
-            if models.lateness_doubted:
-                self._monitor.doubt_lateness()
-            if models.errors_explained:
-                self._monitor.forget()
-        self._monitor.of_clearing = sum((models.unsure for models in self.added), SURE)
+            models.advise(self._monitor)
         self.newest = scan, pose
         if self.by_hand.enabled:
             return

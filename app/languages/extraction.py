@@ -31,7 +31,8 @@ TELLING = (
 """Where errors and settings come from that the page shows: what they say are texts."""
 SPEAKING = (
     "app/engine/driver.py", "app/engine/drivers.py", "app/features/classroom/warm/watch.py",
-    "app/features/mapping/drawing_work.py", "app/features/misplaced_tape/watch.py",
+    "app/features/mapping/drawing_work.py", "app/features/misplaced_tape/laid_watch.py",
+    "app/features/misplaced_tape/watch.py",
     "app/features/course/grader/causes/", "app/features/course/grader/forms.py",
     "app/features/course/grading.py", "app/features/course/lessons/",
     "app/features/course/sandbox/audit.py", "app/features/own_models/own_models.py",

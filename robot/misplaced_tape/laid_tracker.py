@@ -248,9 +248,7 @@ class LaidTracker:
         return result
 
 
-def _leap(
-    errors: Array, slopes: Array, variances: Array, innovation: Array
-) -> tuple[float, float]:
+def _leap(errors: Array, slopes: Array, variances: Array, innovation: Array) -> tuple[float, float]:
     """Return by how many standard deviations errors ask for another pose, and the surprise.
 
     Args:

@@ -6,12 +6,14 @@ from collections import deque
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NamedTuple
 
-from app.engine.added_models import SURE
+import numpy as np
+
 from app.features.misplaced_tape.place_watch import KnownPlace, PlaceWatch, Telling
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2
 from robot.localization.estimate import BOUNDED, Alert, Cause, Integrity, State
 from robot.localization.monitoring.mounting_check import LASER
+from robot.localization.monitoring.monitor import Monitor
 from robot.scan import Scan
 
 if TYPE_CHECKING:
@@ -69,15 +71,16 @@ class LaidWatch(PlaceWatch):
         return () if laid is None else (_alert(laid.finding),)
 
     @property
-    def errors_explained(self) -> bool:
-        """Whether the newest scan is the first that is corrected: before it, tape misled."""
-        return self.memory.is_new
-
-    @property
     def unsure(self) -> Array:
         """By how much corrected scans may lead elsewhere: a covariance (3, 3) [m, m, rad]."""
         memory = self.memory
-        return memory.laid.unsure if memory.laid and memory.follows else SURE
+        return memory.laid.unsure if memory.laid and memory.follows else np.zeros((3, 3))
+
+    def advise(self, monitor: Monitor) -> None:
+        """Widen what is claimed; before the first scan that is corrected, tape misled."""
+        monitor.of_clearing = self.unsure
+        if self.memory.is_new:
+            monitor.forget()
 
     def cleared(self, scan: Scan, odometry: Pose2) -> Scan:
         """Return a scan as it would be if the tape lay as drawn."""
@@ -121,9 +124,7 @@ class LaidWatch(PlaceWatch):
         if not memory.corrects and state not in BOUNDED:
             # What brought the place into doubt has its reason: the robot was never elsewhere.
             memory.telling, state = Telling(), State.LOST
-        return memory.telling.place(
-            memory.newest.stamp, memory.laid.place(odometry), state, pose
-        )
+        return memory.telling.place(memory.newest.stamp, memory.laid.place(odometry), state, pose)
 
     def forget(self) -> None:
         """Forget where the robot was: somebody has said where it is, or that nobody knows."""

@@ -17,6 +17,7 @@ from app.settings.config import Config
 from robot.fields.field import Field
 from robot.geometry import Pose2
 from robot.localization.estimate import Alert, Cause, State
+from robot.localization.monitoring.monitor import Monitor
 from robot.scan import Scan
 
 if TYPE_CHECKING:
@@ -81,10 +82,10 @@ class PlausibilityChecks(AddedModels):
             return (DISPLACED,)
         return by_motion
 
-    @property
-    def lateness_doubted(self) -> bool:
-        """Whether the newest picture comes later, or earlier, than those before."""
-        return self.memory.motion is not None and self.memory.motion.lateness_doubted
+    def advise(self, monitor: Monitor) -> None:
+        """Let lateness be in doubt if the newest scan shows that pictures come later, or earlier."""
+        if self.memory.motion is not None and self.memory.motion.lateness_doubted:
+            monitor.doubt_lateness()
 
     def look_at_place(self, state: State, places: Sequence[Pose2], odometry: Pose2) -> None:
         """Look whether the robot was found elsewhere than its wheels led; as ``Displacement``."""

@@ -65,4 +65,3 @@ def test_offsets_that_are_drawn_from_the_prior_are_likely(name):
     assert abs(values.mean()) < 0.2
     assert 0.8 < values.std() < 1.2
     assert tape.unlikelihood(3 * drawn[0]) > 5
-
