@@ -72,12 +72,9 @@ class AsLaid:
         tape, offsets = self._tracker.tape, self._tracker.offsets
         sd = float(np.sqrt(self._tracker.offsets_covariance[-1, -1]))
         scale, aside = float(offsets[-1]), np.hypot(*tape.shifts(offsets).T)
-        told = 1 + scale if abs(scale) > SHOWN_SDS * sd or not len(aside) else None
-        if not len(aside):
-            return Laid(told, 0.0, 0.0, 0.0)
         most = int(np.argmax(aside))
         x, y = tape.centres[most].tolist()
-        return Laid(told, float(aside[most]), x, y)
+        return Laid(1 + scale if abs(scale) > SHOWN_SDS * sd else None, float(aside[most]), x, y)
 
     def clear(self, scan: Scan, odometry: Pose2) -> Scan:
         """Follow the robot by one more scan, and return it as tape as drawn would be seen."""

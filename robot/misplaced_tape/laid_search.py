@@ -7,8 +7,6 @@ with the second, it is the tape; if they do with both, it is the robot.
 
 from __future__ import annotations
 
-import math
-
 from robot.geometry import Array, Pose2
 from robot.localization.monitoring.mounting_check import CameraPosition
 from robot.misplaced_tape.laid_tape import LaidTape
@@ -37,13 +35,15 @@ class LaidTapes:
     def __init__(self, edges: Array) -> None:
         """Take edges (n, 4) [m] of the drawing."""
         self.as_drawn = LaidTape(edges, scales=False, bends=False)
-        self.others = LaidTape(edges, bends=False), LaidTape(edges)
-        """Larger or smaller as a whole; or each place off by itself, too."""
+        self.scaled = LaidTape(edges, bends=False)
+        """Larger or smaller as a whole."""
+        self.laid = LaidTape(edges)
+        """Each place off by itself, too."""
 
     @property
     def is_small(self) -> bool:
         """Whether a robot can be followed by each of them in time."""
-        return all(tape.is_small for tape in self.others)
+        return self.laid.is_small
 
 
 class LaidSearch:
@@ -67,16 +67,17 @@ class LaidSearch:
             odometry: there.
         """
         self._as_drawn = LaidTracker(tapes.as_drawn, mounting, pose, covariance)
-        self._others = [
-            _Candidate(LaidTracker(tape, mounting, pose, covariance)) for tape in tapes.others
-        ]
+        self._scaled, self._laid = (
+            _Candidate(LaidTracker(tape, mounting, pose, covariance))
+            for tape in (tapes.scaled, tapes.laid)
+        )
         self._odometry = odometry
         self._scans = 0
 
     @property
     def failed(self) -> bool:
         """Whether it is not that, or it takes too long."""
-        return self._scans > LONGEST or all(each.failed for each in self._others)
+        return self._scans > LONGEST or self._laid.failed
 
     def add(self, scan: Scan, odometry: Pose2) -> LaidTracker | None:
         """Take one more scan, and odometry at its stamp; return who follows tape as it lies."""
@@ -87,12 +88,13 @@ class LaidSearch:
         self._scans += 1
         rays = rays_of(scan, RAYS)
         self._as_drawn.step(moved, rays)
-        for each in self._others:
-            each.step(moved, rays, self._as_drawn.surprise)
-        if self._scans < LEAST_SCANS:
+        self._scaled.step(moved, rays, self._as_drawn.surprise)
+        self._laid.step(moved, rays, self._as_drawn.surprise)
+        if self._scans < LEAST_SCANS or not self._laid.fits:
             return None
-        best = max(self._others, key=lambda each: each.evidence)
-        return best.tracker if best.evidence > ENOUGH else None
+        # A single number is sooner sure, but tape that was laid by hand is never only larger.
+        evidence = max(each.evidence for each in (self._scaled, self._laid) if each.fits)
+        return self._laid.tracker if evidence > ENOUGH else None
 
 
 class _Candidate:
@@ -102,13 +104,14 @@ class _Candidate:
         self.tracker = tracker
         self.failed = False
         """Whether steps contradict odometry with it, too."""
-        self._evidence = self._fits = self._misses = 0.0
+        self.evidence = 0.0
+        """How much less surprising scans were than with tape as drawn."""
+        self._seen = self._missed = 0.0
 
     @property
-    def evidence(self) -> float:
-        """How much less surprising scans were than with tape as drawn; none if they do not fit."""
-        fits = self._misses <= MISSES_SHARE * self._fits
-        return self._evidence if fits and not self.failed else -math.inf
+    def fits(self) -> bool:
+        """Whether the last scans fit, and all steps."""
+        return not self.failed and self._missed <= MISSES_SHARE * self._seen
 
     def step(self, moved: Pose2, rays: Array, surprise: float) -> None:
         """Follow a step of odometry, and compare rays (n, 9); they surprise so with another."""
@@ -116,7 +119,7 @@ class _Candidate:
             return
         tracker = self.tracker
         tracker.step(moved, rays)
-        self._evidence += surprise - tracker.surprise
-        self._fits = FADES * self._fits + tracker.fits
-        self._misses = FADES * self._misses + tracker.misses
+        self.evidence += surprise - tracker.surprise
+        self._seen = FADES * self._seen + tracker.fits
+        self._missed = FADES * self._missed + tracker.misses
         self.failed = tracker.leap > USUAL_LEAP or not tracker.is_plausible

@@ -261,8 +261,8 @@ def _leap(errors: Array, slopes: Array, variances: Array, innovation: Array) -> 
     expected, alone = by_pose.T @ innovation @ by_pose, slopes.T @ by_pose
     values, axes = np.linalg.eigh(expected)
     asked = axes.T @ (by_pose.T @ errors)
-    told = values > LEAST_SHARE * values[-1]
-    squared = float((asked[told] ** 2 / values[told]).sum())
+    counts = values > LEAST_SHARE * values[-1]
+    squared = float((asked[counts] ** 2 / values[counts]).sum())
     least = LEAST_SHARE * np.trace(alone) * np.eye(3)
     wider = np.linalg.slogdet(expected + least)[1] - np.linalg.slogdet(alone + least)[1]
     leap = math.sqrt(squared)

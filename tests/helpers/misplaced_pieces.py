@@ -1,4 +1,4 @@
-"""Drives over tape that lies elsewhere, or is missing, seen by a perfect laser."""
+"""Laps over tape that lies elsewhere, or is missing, seen by a perfect laser."""
 
 from __future__ import annotations
 

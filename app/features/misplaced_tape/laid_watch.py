@@ -12,8 +12,8 @@ from app.features.misplaced_tape.place_watch import KnownPlace, PlaceWatch, Tell
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2
 from robot.localization.estimate import BOUNDED, Alert, Cause, Integrity, State
-from robot.localization.monitoring.mounting_check import LASER
 from robot.localization.monitoring.monitor import Monitor
+from robot.localization.monitoring.mounting_check import LASER
 from robot.scan import Scan
 
 if TYPE_CHECKING:

@@ -83,7 +83,7 @@ class PlausibilityChecks(AddedModels):
         return by_motion
 
     def advise(self, monitor: Monitor) -> None:
-        """Let lateness be in doubt if the newest scan shows that pictures come later, or earlier."""
+        """Let lateness be in doubt if the newest scan comes later, or earlier, than others."""
         if self.memory.motion is not None and self.memory.motion.lateness_doubted:
             monitor.doubt_lateness()
 
