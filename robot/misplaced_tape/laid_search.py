@@ -7,6 +7,8 @@ with the second, it is the tape; if they do with both, it is the robot.
 
 from __future__ import annotations
 
+import numpy as np
+
 from robot.geometry import Array, Pose2
 from robot.localization.monitoring.mounting_check import CameraPosition
 from robot.misplaced_tape.laid_tape import LaidTape
@@ -18,7 +20,9 @@ ENOUGH = 60.0
 """So much larger the sum of surprises must be with tape as drawn."""
 USUAL_LEAP = 4.0
 """With tape as laid, no leap may be larger [standard deviations]."""
-LEAST_SCANS = 30
+KNOWN_SDS = (0.010, 0.010, 0.025)
+"""What a place that is known by tape is off besides, if the tape is [m, m, rad]."""
+LEAST_SCANS = 40
 """So many scans must have been compared."""
 LONGEST = 600
 """After so many, nothing is found any more."""
@@ -66,6 +70,7 @@ class LaidSearch:
             covariance: its covariance (3, 3) [m, m, rad].
             odometry: there.
         """
+        covariance = covariance + np.diag(np.square(KNOWN_SDS))
         self._as_drawn = LaidTracker(tapes.as_drawn, mounting, pose, covariance)
         self._scaled, self._laid = (
             _Candidate(LaidTracker(tape, mounting, pose, covariance))
