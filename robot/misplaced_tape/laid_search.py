@@ -20,7 +20,7 @@ ENOUGH = 60.0
 """So much larger the sum of surprises must be with tape as drawn."""
 USUAL_LEAP = 4.0
 """With tape as laid, no leap may be larger [standard deviations]."""
-KNOWN_SDS = (0.010, 0.010, 0.025)
+KNOWN_SDS = (0.005, 0.005, 0.005)
 """What a place that is known by tape is off besides, if the tape is [m, m, rad]."""
 LEAST_SCANS = 40
 """So many scans must have been compared."""

@@ -23,11 +23,10 @@ from robot.misplaced_tape.tracker import (
     step_model,
 )
 
-RAY_WORTH = 0.03
+RAY_WORTH = 0.3
 """Weight of one ray: errors of neighbouring rays, and of scans one after the other, are alike."""
-REACH, LEARNT = 1.5, 0.7
-"""How far rays are expected to return [m], and up to where something is learnt from them: far away,
-they may meet other tape."""
+REACH = 1.5
+"""How far returns are compared [m]: those that are far away move the filter, too."""
 RANGE_SD = 0.001
 """Standard deviation of a near range [m]."""
 STEPS = StepErrors(ahead=0.0425, aside=0.015, turn=0.0425, turn_by_way=0.03)
@@ -45,9 +44,9 @@ MARGIN = 0.03
 STEEP, LEAST_STEEP = 0.25, 0.05
 """Rays that meet an edge at a smaller sine of the angle tell too little; by no smaller one a range
 is divided."""
-GATE, GATE_SDS, LEAST_GATE = 0.04, 4.0, 0.01
-"""A return belongs to other tape if it lies farther off its edge than any of these [m], [standard
-deviations], but not if it is nearer than the last [m]."""
+GATE, GATE_SDS, LEAST_GATE = 0.05, 4.0, 0.01
+"""A return belongs to other tape if it lies farther from where it should be than any of these [m],
+[standard deviations], but not if it is nearer than the last [m]."""
 DUE, CLEAR = 0.5, 0.5
 """Tape nearer than this [m] must be seen, by rays that return it with a larger probability."""
 LARGEST_OFFSET = 0.035
@@ -63,14 +62,14 @@ LEAST_SHARE = 1e-9
 
 
 class _Looks(NamedTuple):
-    """Returns of tape which may be what was expected."""
+    """Rays that return tape which may be what was expected."""
 
     errors: Array
-    """(n,) by how far they lie behind the line of their edge [m]."""
+    """(n,) of their ranges [m]."""
     slopes: Array
-    """(n, 9 + 2 k + 1) of the place of the edge against them, by all that the state has."""
+    """(n, 9 + 2 k + 1) of the expected ranges, by all that the state has."""
     variances: Array
-    """(n,) of the errors [m²]."""
+    """(n,) of the ranges [m²]."""
     unseen: int
     """How many other rays return nothing, where tape is expected."""
 
@@ -207,29 +206,25 @@ class LaidTracker:
         due = steep & np.isfinite(ranges) & (ranges > rays[:, column.NEAR] + MARGIN)
         clear = ~np.isfinite(rays[:, column.HIDDEN_FROM]) & (rays[:, column.CLEAR] > CLEAR)
         unseen = ~seen & clear & (ranges < np.minimum(rays[:, column.FAR] - MARGIN, DUE))
-        used = due & seen & (np.maximum(rays[:, column.RANGE], ranges) < LEARNT)
+        used = due & seen & (rays[:, column.RANGE] < REACH)
         missing = int((due & unseen).sum())
         rays, ranges, edges, towards = rays[used], ranges[used], edges[used], towards[used]
-        # By how far points lie off the line of their edge: that is nearly linear, also for rays
-        # along an edge, whose ranges change by a multiple of it.
-        points, across = self._points(rays, rays[:, column.RANGE], towards), self._across[edges]
-        sines = -(across * towards).sum(axis=1)
+        points, by_edge = self._points(rays, ranges, towards), self._by_edge(edges, towards)
         x, y = (points - (self.pose.x, self.pose.y)).T
-        by_turn = across[:, 1] * x - across[:, 0] * y
+        by_turn = by_edge[:, 0] * y - by_edge[:, 1] * x
         first, last = self._edges[edges, :2], self._edges[edges, 2:]
         share = ((points - first) * (last - first)).sum(axis=1) / ((last - first) ** 2).sum(axis=1)
-        after = np.clip(share, 0, 1)[:, None]
-        tape, before = self.tape, 1 - after
+        tape, before, after = self.tape, 1 - share[:, None], share[:, None]
         weights = before * tape.start_weights[edges] + after * tape.end_weights[edges]
         drawn = before * tape.starts[edges] + after * tape.ends[edges]
-        by_scale = -(across * drawn).sum(axis=1)
-        by_offsets = [-across[:, :1] * weights, -across[:, 1:] * weights, by_scale]
-        by_camera = self._by_camera(-across, points)
+        by_scale = (by_edge * drawn).sum(axis=1)
+        by_offsets = [by_edge[:, :1] * weights, by_edge[:, 1:] * weights, by_scale]
+        by_camera = self._by_camera(by_edge, points)
+        ranges = ranges + by_camera @ self.camera
         none = np.zeros((len(ranges), 3))
-        slopes = np.column_stack([across, by_turn, none, by_camera, *by_offsets])
-        errors = sines * (rays[:, column.RANGE] - ranges) - by_camera @ self.camera
-        deviations = RANGE_SD * (1 + SLOPE * ranges**2) * sines
-        return _Looks(errors, slopes, deviations**2, missing)
+        slopes = np.column_stack([-by_edge, by_turn, none, by_camera, *by_offsets])
+        deviations = RANGE_SD * (1 + SLOPE * ranges**2)
+        return _Looks(rays[:, column.RANGE] - ranges, slopes, deviations**2, missing)
 
     def _points(self, rays: Array, ranges: Array, towards: Array) -> Array:
         """Return the points (n, 2) [m] that rays (n, 9) see at these ranges."""
@@ -242,10 +237,7 @@ class LaidTracker:
         return across / np.minimum(steep, -LEAST_STEEP)[:, None]
 
     def _by_camera(self, by_edge: Array, points: Array) -> Array:
-        """Return how what grows ``by_edge`` (n, 2) grows with the camera's errors (n, 3).
-
-        They move points, as if the edges moved.
-        """
+        """Return how ranges (n, 3) [m] grow with the camera's errors: points seem to move."""
         if not math.isfinite(self._mounting.height):
             return np.zeros((len(points), 3))
         local = self.pose.inverse().apply(points)
@@ -260,9 +252,9 @@ def _leap(errors: Array, slopes: Array, variances: Array, innovation: Array) -> 
     """Return by how many standard deviations errors ask for another pose, and the surprise.
 
     Args:
-        errors: of returns (n,) [m].
-        slopes: by the pose (n, 3).
-        variances: of each return alone (n,) [m²].
+        errors: of ranges (n,) [m].
+        slopes: of ranges by the pose (n, 3).
+        variances: of each range alone (n,) [m²].
         innovation: covariance (n, n) that errors should have.
     """
     by_pose = slopes / variances[:, None]
