@@ -6,7 +6,7 @@ import ast
 import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
-from itertools import combinations, pairwise
+from itertools import combinations, pairwise, permutations
 
 from app.languages.marking import phrase
 
@@ -72,10 +72,13 @@ WRAPPERS: tuple[tuple[str, str], ...] = (
     (phrase("half of it"), "({x}) / 2"),
     (phrase("twice as much"), "({x}) * 2"),
     (phrase("one over it"), "1 / ({x})"),
+    (phrase("an angle brought back to -π to π"), f"(({{x}}) + {math.pi}) % {math.tau} - {math.pi}"),
 )
 """What can be missing around a part of a line: in words, and as code."""
 TRIGONOMETRY = frozenset(["sin", "cos", "tan", "exp"])
 """Functions of an angle."""
+IN_QUESTIONS = frozenset(["an absolute value", "one over it", "a square root", "a square"])
+"""What can be missing where something is asked, too, as whether a squared distance is below 0.1."""
 ANGLES = frozenset(["radians", "degrees", "deg2rad", "rad2deg"])
 """Functions that change an angle's unit."""
 COUNTING = frozenset(["range", "arange"])
@@ -97,6 +100,7 @@ CAUSE_OF_NAME = {
 """Functions whose exchange has a name of its own."""
 CAUSE_OF_WRAPPER = {
     "a minus sign": "slip-sign", "radians for degrees": "S4", "degrees for radians": "S4",
+    "an angle brought back to -π to π": "E2",
 }  # fmt: skip
 
 
@@ -181,13 +185,14 @@ def _written(item: ast.stmt) -> str:
 
 def _rank(edit: Edit) -> tuple[int, bool]:
     missing = "slip-missing" if edit.kind[0] == "wrapped" else edit.cause
-    return RANKS.index(missing), edit.kind[0] == "term"
+    return RANKS.index(missing), _is_late(edit)
 
 
 def _chosen(candidates: list[Edit]) -> Iterator[tuple[Edit, ...]]:
-    """Yield each change alone, then two of one kind, all of one kind; and at last terms."""
-    terms = [edit for edit in candidates if edit.kind[0] == "term"]
-    candidates = [edit for edit in candidates if edit.kind[0] != "term"]
+    """Yield each change alone, then two of one kind, all of one kind; at last those that can make
+    up for a mistake elsewhere: terms, and angles that are brought back."""
+    late = [edit for edit in candidates if _is_late(edit)]
+    candidates = [edit for edit in candidates if not _is_late(edit)]
     yield from ((edit,) for edit in candidates)
     kinds: dict[tuple[object, ...], list[Edit]] = {}
     for edit in candidates:
@@ -198,7 +203,11 @@ def _chosen(candidates: list[Edit]) -> Iterator[tuple[Edit, ...]]:
     for alike in kinds.values():
         if 2 < len(alike) < 9 and not _nested(tuple(alike)):
             yield tuple(alike)
-    yield from ((edit,) for edit in terms)
+    yield from ((edit,) for edit in late)
+
+
+def _is_late(edit: Edit) -> bool:
+    return edit.kind[0] == "term" or edit.cause == "E2"
 
 
 def _nested(chosen: tuple[Edit, ...]) -> bool:
@@ -351,18 +360,12 @@ def _exchange(
 
 
 def _lines(parent: ast.AST) -> Iterator[Edit]:
-    """Exchange two lines, leave one out, or move one out of a loop or before it."""
+    """Put a line later or earlier, leave one out, or move one out of a loop or before it."""
     for part in ("body", "orelse"):
         lines = getattr(parent, part, None)
         if not isinstance(lines, list) or isinstance(parent, ast.ClassDef):
             continue
-        for index in range(len(lines) - 1):
-            if isinstance(lines[index + 1], ast.Return) or isinstance(lines[index], ast.Return):
-                continue
-            swapped = [*lines[:index], lines[index + 1], lines[index], *lines[index + 2 :]]
-            yield _rewritten(
-                parent, part, swapped, lines[index], "slip-order", phrase("the other order")
-            )
+        yield from _moved(parent, part, lines)
         for index, item in enumerate(lines):
             if len(lines) > 1 and not isinstance(item, ast.Return | ast.FunctionDef):
                 left = [*lines[:index], *lines[index + 1 :]]
@@ -374,6 +377,20 @@ def _lines(parent: ast.AST) -> Iterator[Edit]:
                 yield _rewritten(parent, part, changed, item, "slip-loop", words)
             if isinstance(item, ast.For | ast.While):
                 yield from _around_loop(parent, part, lines, index, item)
+
+
+def _moved(parent: ast.AST, part: str, lines: list[ast.stmt]) -> Iterator[Edit]:
+    """Put each line after or before others of its block, the nearest first."""
+    movable = [index for index, item in enumerate(lines) if not isinstance(item, ast.Return)]
+    pairs = sorted(permutations(movable, 2), key=lambda pair: abs(pair[0] - pair[1]))
+    for old, new in pairs:
+        if new == old - 1:  # is the same as putting that line after this one
+            continue
+        rest = [*lines[:old], *lines[old + 1 :]]
+        changed = [*rest[:new], lines[old], *rest[new:]]
+        yield _rewritten(
+            parent, part, changed, lines[old], "slip-order", phrase("the other order")
+        )
 
 
 def _around_loop(
@@ -594,8 +611,8 @@ def _more(place: _Place, child: ast.expr) -> Iterator[Edit]:
     )
     for words, code in WRAPPERS:
         cause = CAUSE_OF_WRAPPER.get(words, "slip-missing")
-        anywhere = words in ("an absolute value", "one over it")
-        if anywhere or (not asked and (angle or cause != "S4")):
+        unit = cause in ("S4", "E2")
+        if words in IN_QUESTIONS or (not asked and (angle or not unit)):
             yield place.edit(cause, words, ("wrapped", code), _wrapped(child, code))
     if isinstance(place.parent, ast.If | ast.While):
         opposite = ast.UnaryOp(ast.Not(), child)

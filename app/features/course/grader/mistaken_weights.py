@@ -70,17 +70,7 @@ def ends(
 
 def distances(x: Array, y: Array, field: SimpleNamespace, mistakes: frozenset[str]) -> Array:
     """Return how far from the tape places are, by the field's table [m]."""
-    start = field.origin
-    if "origin-ignored" in mistakes:
-        start = np.zeros(2)
-    if "origin-added" in mistakes:
-        start = -field.origin
-    if "origin-swapped" in mistakes:
-        start = field.origin[::-1]
-    if "origin-x-twice" in mistakes:
-        start = field.origin[[0, 0]]
-    if "origin-y-twice" in mistakes:
-        start = field.origin[[1, 1]]
+    start = by_mistake(mistakes, _starts(field.origin), field.origin)
     across = 0.5 if mistakes & {"rounded", "rounded-x"} else 0.0
     along = 0.5 if mistakes & {"rounded", "rounded-y"} else 0.0
     columns = np.floor((x - start[0]) / field.cell + across).astype(int)
@@ -98,6 +88,22 @@ def distances(x: Array, y: Array, field: SimpleNamespace, mistakes: frozenset[st
         return beyond
     result: Array = field.distances[rows.clip(0, height - 1), columns.clip(0, width - 1)]
     return result
+
+
+def _starts(origin: Array) -> dict[str, Array]:
+    """Return what is taken for a field's origin, by mistake."""
+    x, y = origin
+    return {
+        "origin-ignored": np.zeros(2),
+        "origin-x-ignored": np.array([0.0, y]),
+        "origin-y-ignored": np.array([x, 0.0]),
+        "origin-added": -origin,
+        "origin-x-added": np.array([-x, y]),
+        "origin-y-added": np.array([x, -y]),
+        "origin-swapped": np.array([y, x]),
+        "origin-x-twice": np.array([x, x]),
+        "origin-y-twice": np.array([y, y]),
+    }
 
 
 def within(x: Array, y: Array, field: SimpleNamespace) -> NDArray[np.bool_]:

@@ -38,7 +38,8 @@ AREAS = {
     "curve": Cause(
         "One ray counts too much, or too little.",
         "With one guess and one ray the likelihood is wrong already.",
-        "Work out 0.95 exp(-d² / (2 sigma²)) + 0.05 for that distance, and its logarithm.",
+        "Print where the ray ends, its cell, and the distance d there; then work out "
+        "0.95 exp(-d² / (2 sigma²)) + 0.05 for that distance, and its logarithm.",
     ),
     "ends": Cause(
         "The rays end in wrong places.",

@@ -34,7 +34,12 @@ TOLERANCE = 1e-6
 SQUARE = np.array([0.7, 0.8, 0.0])
 """Middle of the dashboard's square, whose lower side is where the lesson's is."""
 QUARTERS = np.array([0.0, 1.0, 2.0, -1.0]) * math.pi / 2
-STARTS = frozenset(["origin-ignored", "origin-added", "origin-swapped"])
+AXES = ("", "-x", "-y")
+"""Both coordinates, or one of them alone."""
+STARTS = frozenset(
+    [*(f"origin{axis}-{mistake}" for axis in AXES for mistake in ("ignored", "added")),
+     "origin-swapped"]
+)  # fmt: skip
 PRODUCTS = ("product", "late-logarithm")
 JOINTS = frozenset([*JOINED, *INVERSES])
 CUT_ROW, CUT_COLUMN = 35, 85
@@ -299,8 +304,9 @@ CHECKS = Checks(
     expected=expected,
     hypotheses=(
         Hypothesis("sign", "S2", frozenset(INVERSES)),
-        Hypothesis("origin-ignored", "S5", STARTS),
-        *(Hypothesis(name, "origin-wrong", STARTS) for name in ("origin-added", "origin-swapped")),
+        *(Hypothesis(f"origin{axis}-ignored", "S5", STARTS) for axis in AXES),
+        *(Hypothesis(f"origin{axis}-added", "origin-wrong", STARTS) for axis in AXES),
+        Hypothesis("origin-swapped", "origin-wrong", STARTS),
         # Cells far away and a curve far too narrow give the same: a line that mends it goes first.
         Hypothesis("all-missed", "all-missed", broad=True),
         *(Hypothesis(name, "S8", frozenset(WIDTHS)) for name in NARROW),

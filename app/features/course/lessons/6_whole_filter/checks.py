@@ -244,6 +244,7 @@ def _weighed(prior: Array, fits: Array, mistakes: frozenset[str]) -> Array:
         "log-added": prior + fits,
         "log-log": np.log(prior) + fits,
         "log-times": prior * fits,
+        "ratios-times": prior * ratios,
         "prior-squared": prior**2 * likely,
         "scan-twice": prior * likely**2,
         "worse-more": prior / likely,
@@ -384,7 +385,9 @@ CHECKS = Checks(
         Hypothesis("log-times", "exponential"),
         *(
             Hypothesis(name, "exponential")
-            for name in ("exp-of-product", "exp-of-sum", "fits-alone", "ratios-alone")
+            for name in (
+                *("ratios-times", "exp-of-product", "exp-of-sum", "fits-alone", "ratios-alone"),
+            )
         ),
         Hypothesis("added", "added"),
         Hypothesis("not-kept", "S7"),

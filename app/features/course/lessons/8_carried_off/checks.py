@@ -249,7 +249,8 @@ def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
             )
     worse = [item for item in outcomes if item.case.kind == "worse"]
     shares = [features(item)[0] for item in worse]
-    if shares and set(shares) <= {0.0, 1.0} and any(shares):
+    all_or_none = bool(shares) and set(shares) <= {0.0, 1.0} and any(shares)
+    if all_or_none:
         yield Sign("all-new", worse[shares.index(1.0)])
     for item in worse:
         places = np.asarray(item.result)[:, 0]
@@ -264,7 +265,8 @@ def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
         return
     fine = [item for item in memories if item.case.kind in ("steady", "better")]
     yield from (Sign("ratio", item) for item in fine if features(item)[0] > 0)
-    yield from _shares(worse)
+    if not all_or_none:  # each share is wrong by that alone
+        yield from _shares(worse)
 
 
 def _is_mixed(outcome: Outcome) -> bool:
