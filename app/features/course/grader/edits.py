@@ -11,6 +11,8 @@ from itertools import combinations, pairwise, permutations
 from app.languages.marking import phrase
 
 Make = Callable[[], ast.AST]
+Block = ast.For | ast.While | ast.If
+"""Statements with lines of their own."""
 
 OPPOSITE: dict[type[ast.AST], tuple[type[ast.AST], ...]] = {
     ast.Add: (ast.Sub,),
@@ -30,8 +32,8 @@ OPPOSITE: dict[type[ast.AST], tuple[type[ast.AST], ...]] = {
 }
 RANKS = (
     "same-array", "sine", "S4", "arctan", "half-cell", "slip-comparison", "slip-range", "slip-sign",
-    "slip-brackets", "slip-loop", "slip-order", "slip-operator", "slip-function", "slip-number",
-    "slip-too-much", "slip-name", "slip-missing",
+    "slip-brackets", "slip-loop", "slip-break", "slip-order", "slip-operator", "slip-function",
+    "missing-in-question", "slip-number", "slip-too-much", "slip-name", "slip-missing",
 )  # fmt: skip
 """Causes in the order in which they are tried; what has a name of its own comes first."""
 SIGNS, COMPARISONS = (ast.Add, ast.Sub), (ast.cmpop, ast.boolop, ast.BitAnd, ast.BitOr)
@@ -77,7 +79,12 @@ WRAPPERS: tuple[tuple[str, str], ...] = (
 """What can be missing around a part of a line: in words, and as code."""
 TRIGONOMETRY = frozenset(["sin", "cos", "tan", "exp"])
 """Functions of an angle."""
-IN_QUESTIONS = frozenset(["an absolute value", "one over it", "a square root", "a square"])
+IN_QUESTIONS = frozenset(
+    (
+        "an absolute value", "one over it", "a square root", "a square", "half of it",
+        "twice as much",
+    )
+)  # fmt: skip
 """What can be missing where something is asked, too, as whether a squared distance is below 0.1."""
 ANGLES = frozenset(["radians", "degrees", "deg2rad", "rad2deg"])
 """Functions that change an angle's unit."""
@@ -184,8 +191,11 @@ def _written(item: ast.stmt) -> str:
 
 
 def _rank(edit: Edit) -> tuple[int, bool]:
-    missing = "slip-missing" if edit.kind[0] == "wrapped" else edit.cause
-    return RANKS.index(missing), _is_late(edit)
+    cause = edit.cause
+    if edit.kind[0] == "wrapped":
+        asked = isinstance(edit.parent, ast.Compare)
+        cause = "missing-in-question" if asked else "slip-missing"
+    return RANKS.index(cause), edit.kind[0] == "term"
 
 
 def _chosen(candidates: list[Edit]) -> Iterator[tuple[Edit, ...]]:
@@ -375,8 +385,17 @@ def _lines(parent: ast.AST) -> Iterator[Edit]:
                 changed = [*lines[:index], going, *lines[index + 1 :]]
                 words = phrase("while for if")
                 yield _rewritten(parent, part, changed, item, "slip-loop", words)
-            if isinstance(item, ast.For | ast.While):
-                yield from _around_loop(parent, part, lines, index, item)
+                if isinstance(parent, ast.For | ast.While) and not _leaves(item.body[-1]):
+                    ended = _with_body(item, [*item.body, ast.Break()])
+                    changed = [*lines[:index], ended, *lines[index + 1 :]]
+                    words = phrase("an end of the loop")
+                    yield _rewritten(parent, part, changed, item.body[-1], "slip-break", words)
+            if isinstance(item, Block):
+                yield from _around_block(parent, part, lines, index, item)
+
+
+def _leaves(item: ast.stmt) -> bool:
+    return isinstance(item, ast.Break | ast.Continue | ast.Return | ast.Raise)
 
 
 def _moved(parent: ast.AST, part: str, lines: list[ast.stmt]) -> Iterator[Edit]:
@@ -388,34 +407,36 @@ def _moved(parent: ast.AST, part: str, lines: list[ast.stmt]) -> Iterator[Edit]:
             continue
         rest = [*lines[:old], *lines[old + 1 :]]
         changed = [*rest[:new], lines[old], *rest[new:]]
-        yield _rewritten(
-            parent, part, changed, lines[old], "slip-order", phrase("the other order")
-        )
+        yield _rewritten(parent, part, changed, lines[old], "slip-order", phrase("the other order"))
 
 
-def _around_loop(
-    parent: ast.AST, part: str, lines: list[ast.stmt], index: int, loop: ast.For | ast.While
+def _around_block(
+    parent: ast.AST, part: str, lines: list[ast.stmt], index: int, block: Block
 ) -> Iterator[Edit]:
-    words = phrase("its place inside or outside of the loop")
-    if index:
-        inner = _with_body(loop, [lines[index - 1], *loop.body])
-        moved = [*lines[: index - 1], inner, *lines[index + 1 :]]
-        yield _rewritten(parent, part, moved, lines[index - 1], "slip-order", words)
-    if len(loop.body) > 1:
-        last = loop.body[-1]
-        outer = [_with_body(loop, loop.body[:-1]), last]
-        moved = [*lines[:index], *outer, *lines[index + 1 :]]
-        yield _rewritten(parent, part, moved, last, "slip-order", words)
-        first = loop.body[0]
-        outer = [first, _with_body(loop, loop.body[1:])]
-        moved = [*lines[:index], *outer, *lines[index + 1 :]]
-        yield _rewritten(parent, part, moved, first, "slip-order", words)
+    """Move lines beside a loop or an if into it, or lines of it out."""
+    words = phrase("its place inside or outside of the loop or the if")
+    before, after, body = lines[:index], lines[index + 1 :], block.body
+
+    def moved(item: ast.stmt, *new: ast.stmt) -> Edit:
+        return _rewritten(parent, part, list(new), item, "slip-order", words)
+
+    if isinstance(block, ast.For | ast.While):
+        if before:
+            inner = _with_body(block, [before[-1], *body])
+            yield moved(before[-1], *before[:-1], inner, *after)
+        for count in range(1, len(body)):
+            outer = _with_body(block, body[count:])
+            yield moved(body[0], *before, *body[:count], outer, *after)
+    if len(body) > 1:
+        yield moved(body[-1], *before, _with_body(block, body[:-1]), body[-1], *after)
+    if after and not _leaves(body[-1]):
+        yield moved(after[0], *before, _with_body(block, [*body, after[0]]), *after[1:])
 
 
-def _with_body(loop: ast.For | ast.While, body: list[ast.stmt]) -> ast.stmt:
-    if isinstance(loop, ast.For):
-        return ast.For(loop.target, loop.iter, body, loop.orelse, lineno=loop.lineno)
-    return ast.While(loop.test, body, loop.orelse, lineno=loop.lineno)
+def _with_body(block: Block, body: list[ast.stmt]) -> ast.stmt:
+    if isinstance(block, ast.For):
+        return ast.For(block.target, block.iter, body, block.orelse, lineno=block.lineno)
+    return type(block)(block.test, body, block.orelse, lineno=block.lineno)
 
 
 def _rewritten(
@@ -531,6 +552,9 @@ def _less(place: _Place, child: ast.expr) -> Iterator[Edit]:
         if inner is not None and (alone or (name in BOUNDS and len(child.args) == 2)):
             cause = "S4" if name in ANGLES else "slip-too-much"
             yield place.edit(cause, phrase("one function less"), ("call", name), inner)
+        if name in ("arctan2", "atan2") and len(child.args) == 2:
+            ratio = ast.BinOp(child.args[0], ast.Div(), child.args[1])
+            yield place.edit("slip-function", phrase("a ratio alone"), ("ratio",), ratio)
 
 
 def _brackets(place: _Place, child: ast.expr) -> Iterator[Edit]:
@@ -570,7 +594,8 @@ def _terms(place: _Place, child: ast.expr, values: list[ast.expr]) -> Iterator[E
     """Put in a factor or a term that is one of the function's own values."""
     if not isinstance(child, ast.BinOp | ast.Call | ast.Name | ast.Subscript):
         return
-    if not isinstance(place.parent, ast.BinOp | ast.Assign | ast.Return | ast.Tuple):
+    holds = isinstance(place.parent, ast.BinOp | ast.Assign | ast.Return | ast.Tuple)
+    if not holds and not _is_trigonometry(place.parent):
         return
     for value in values:
         for operator, words in (
@@ -606,13 +631,12 @@ def _more(place: _Place, child: ast.expr) -> Iterator[Edit]:
     if isinstance(place.parent, ast.Subscript | ast.Attribute | ast.For | ast.comprehension):
         return
     asked = isinstance(place.parent, ast.Compare | ast.BoolOp | ast.If | ast.While)
-    angle = isinstance(place.parent, ast.Assign | ast.Return | ast.Tuple) or (
-        isinstance(place.parent, ast.Call) and _last_name(place.parent.func) in TRIGONOMETRY
-    )
+    given = isinstance(place.parent, ast.Assign | ast.Return | ast.Tuple)
+    angle = given or _is_trigonometry(place.parent)
     for words, code in WRAPPERS:
         cause = CAUSE_OF_WRAPPER.get(words, "slip-missing")
-        unit = cause in ("S4", "E2")
-        if words in IN_QUESTIONS or (not asked and (angle or not unit)):
+        fits = {"S4": angle, "E2": given or isinstance(place.parent, ast.Call)}.get(cause, True)
+        if words in IN_QUESTIONS or (fits and not asked):
             yield place.edit(cause, words, ("wrapped", code), _wrapped(child, code))
     if isinstance(place.parent, ast.If | ast.While):
         opposite = ast.UnaryOp(ast.Not(), child)
@@ -630,6 +654,10 @@ def _wrapped(child: ast.expr, code: str) -> ast.expr:
                     getattr(item, part)[index] = child
                 return made
     return made
+
+
+def _is_trigonometry(item: ast.AST) -> bool:
+    return isinstance(item, ast.Call) and _last_name(item.func) in TRIGONOMETRY
 
 
 def _last_name(function: ast.AST) -> str:

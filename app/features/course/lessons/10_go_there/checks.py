@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
-from app.features.course.grader.case import Case, Checks, Hypothesis, Outcome, Sign
+from app.features.course.grader.case import Case, Checks, Hypothesis, Outcome, Sign, by_mistake
 from app.features.course.grader.drawing import draw_bars
 from app.features.course.grader.forms import array_of
 from app.features.course.grader.words import Words
@@ -111,7 +111,6 @@ def features(outcome: Outcome) -> Array:
 def expected(case: Case, mistakes: frozenset[str]) -> Array:
     """What a controller with mistakes commands."""
     pose, _, goal, _, _, delay = case.arguments
-    gain = next((rule(delay) for name, rule in GAINS.items() if name in mistakes), GAIN / delay)
     dx, dy = np.abs(goal[:2] - pose[:2]).tolist()
     nears = {"goal-x": dx, "goal-y": dy, "goal-square": max(dx, dy), "goal-sum": dx + dy}
     nears |= {"all-square": max(dx, dy), "all-sum": dx + dy}
@@ -120,6 +119,8 @@ def expected(case: Case, mistakes: frozenset[str]) -> Array:
     own = 0.0 if "goal-heading-alone" in mistakes else pose[2]
     error = float(goal[2] - own) if arrived else _bearing(case, mistakes)
     part = "goal" if arrived else "way"
+    rules = {each: rule for name, rule in GAINS.items() for each in (name, f"{name}-{part}")}
+    gain = by_mistake(mistakes, rules, lambda delay: GAIN / delay)(delay)
     if not mistakes & {"unwrapped", f"unwrapped-{part}"}:
         error = wrap_angle(error)
     if "degrees" in mistakes:
@@ -263,6 +264,8 @@ CHECKS = Checks(
         Hypothesis("unwrapped-way", "E2"),
         Hypothesis("unwrapped-goal", "E2", kind="goal"),
         *(Hypothesis(name, "gain-delay", frozenset(GAINS)) for name in GAINS),
+        *(Hypothesis(f"{name}-way", "gain-delay", kind="way") for name in GAINS),
+        *(Hypothesis(f"{name}-goal", "gain-delay", kind="goal") for name in GAINS),
         Hypothesis("no-goal", "goal-heading", kind="goal"),
         Hypothesis("heading-forgotten", "goal-heading", kind="goal"),
         *(

@@ -261,7 +261,7 @@ def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
     wrong = [item for item in memories if not _remembers(item, REFERENCE)]
     if wrong:
         swapped = all(_remembers(item, frozenset(["rates-swapped"])) for item in memories)
-        yield Sign("rates" if swapped else "memory", wrong[0])
+        yield Sign("rates" if swapped else "memory", wrong[0], weak=not swapped)
         return
     fine = [item for item in memories if item.case.kind in ("steady", "better")]
     yield from (Sign("ratio", item) for item in fine if features(item)[0] > 0)
