@@ -33,7 +33,7 @@ OPPOSITE: dict[type[ast.AST], tuple[type[ast.AST], ...]] = {
 RANKS = (
     "same-array", "sine", "S4", "arctan", "half-cell", "slip-comparison", "slip-range", "slip-sign",
     "slip-brackets", "slip-loop", "slip-break", "slip-order", "slip-operator", "slip-function",
-    "missing-in-question", "slip-number", "slip-too-much", "slip-name", "slip-missing",
+    "slip-missing-two", "slip-number", "slip-too-much", "slip-name", "slip-missing",
 )  # fmt: skip
 """Causes in the order in which they are tried; what has a name of its own comes first."""
 SIGNS, COMPARISONS = (ast.Add, ast.Sub), (ast.cmpop, ast.boolop, ast.BitAnd, ast.BitOr)
@@ -79,12 +79,9 @@ WRAPPERS: tuple[tuple[str, str], ...] = (
 """What can be missing around a part of a line: in words, and as code."""
 TRIGONOMETRY = frozenset(["sin", "cos", "tan", "exp"])
 """Functions of an angle."""
-IN_QUESTIONS = frozenset(
-    (
-        "an absolute value", "one over it", "a square root", "a square", "half of it",
-        "twice as much",
-    )
-)  # fmt: skip
+DOUBLED = frozenset(["half of it", "twice as much"])
+"""A 2 that is missing in a question, which other numbers of the code could make up for."""
+IN_QUESTIONS = DOUBLED | {"an absolute value", "one over it", "a square root", "a square"}
 """What can be missing where something is asked, too, as whether a squared distance is below 0.1."""
 ANGLES = frozenset(["radians", "degrees", "deg2rad", "rad2deg"])
 """Functions that change an angle's unit."""
@@ -193,8 +190,8 @@ def _written(item: ast.stmt) -> str:
 def _rank(edit: Edit) -> tuple[int, bool]:
     cause = edit.cause
     if edit.kind[0] == "wrapped":
-        asked = isinstance(edit.parent, ast.Compare)
-        cause = "missing-in-question" if asked else "slip-missing"
+        doubled = edit.words in DOUBLED and isinstance(edit.parent, ast.Compare)
+        cause = "slip-missing-two" if doubled else "slip-missing"
     return RANKS.index(cause), edit.kind[0] == "term"
 
 
