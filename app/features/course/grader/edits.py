@@ -89,8 +89,9 @@ COUNTING = frozenset(["range", "arange"])
 """Functions that count from a number to another."""
 BOUNDS = frozenset(["min", "max", "minimum", "maximum"])
 """Functions of two arguments of which the second can be one too many."""
-ATTRIBUTES = ("u0", "v0", "slow", "fast", "height", "forward")
-"""Values of what lessons hand over that are taken for each other."""
+HELD = (("u0", "v0", "height", "forward"), ("slow", "fast"))
+ATTRIBUTES = {name: together for together in HELD for name in together}
+"""Values of what lessons hand over, with those that are taken for each other, or forgotten."""
 MOST_VALUES = 12
 """Values of a function that are tried as factors and terms."""
 LONGEST = 400
@@ -292,17 +293,16 @@ def _names(function: ast.stmt) -> list[str]:
 
 def _values(function: ast.stmt) -> list[ast.expr]:
     """Return what a function works with, each once: names, and calls that make a number."""
-    values = dict[str, ast.expr]()
+    values: list[ast.expr] = []
     for item in ast.walk(function):
-        call = isinstance(item, ast.Call) and _last_name(item.func) in ("sin", "cos", "tan", "sum")
-        value = isinstance(item, ast.Name) and isinstance(item.ctx, ast.Store)
-        part = isinstance(item, ast.Attribute) and item.attr in ATTRIBUTES
-        if call or part:
-            values.setdefault(ast.dump(item), item)  # type: ignore[arg-type]
-        elif value:
-            name = ast.Name(item.id, ast.Load())  # type: ignore[attr-defined]
-            values.setdefault(ast.dump(name), name)
-    return list(values.values())[:MOST_VALUES]
+        if isinstance(item, ast.Call) and _last_name(item.func) in ("sin", "cos", "tan", "sum"):
+            values.append(item)
+        elif isinstance(item, ast.Attribute) and item.attr in ATTRIBUTES:
+            together = ATTRIBUTES[item.attr]
+            values += [ast.Attribute(item.value, name, ast.Load()) for name in together]
+        elif isinstance(item, ast.Name) and isinstance(item.ctx, ast.Store):
+            values.append(ast.Name(item.id, ast.Load()))
+    return list({ast.dump(value): value for value in values}.values())[:MOST_VALUES]
 
 
 def _numbers(function: ast.stmt) -> list[float]:
@@ -373,6 +373,7 @@ def _lines(parent: ast.AST) -> Iterator[Edit]:
         if not isinstance(lines, list) or isinstance(parent, ast.ClassDef):
             continue
         yield from _moved(parent, part, lines)
+        yield from _joined(parent, part, lines)
         for index, item in enumerate(lines):
             if len(lines) > 1 and not isinstance(item, ast.Return | ast.FunctionDef):
                 left = [*lines[:index], *lines[index + 1 :]]
@@ -405,6 +406,17 @@ def _moved(parent: ast.AST, part: str, lines: list[ast.stmt]) -> Iterator[Edit]:
         rest = [*lines[:old], *lines[old + 1 :]]
         changed = [*rest[:new], lines[old], *rest[new:]]
         yield _rewritten(parent, part, changed, lines[old], "slip-order", phrase("the other order"))
+
+
+def _joined(parent: ast.AST, part: str, lines: list[ast.stmt]) -> Iterator[Edit]:
+    """Set two values at once: the second is made of what the first was before."""
+    for index, (one, other) in enumerate(pairwise(lines)):
+        if isinstance(one, ast.Assign) and isinstance(other, ast.Assign):
+            targets: list[ast.expr] = [ast.Tuple([one.targets[0], other.targets[0]], ast.Store())]
+            both = ast.Assign(targets, ast.Tuple([one.value, other.value], ast.Load()))
+            changed = [*lines[:index], both, *lines[index + 2 :]]
+            words = phrase("this line and the one before it at once")
+            yield _rewritten(parent, part, changed, other, "slip-order", words)
 
 
 def _around_block(
@@ -614,7 +626,7 @@ def _named(place: _Place, child: ast.expr, names: list[str]) -> Iterator[Edit]:
                     "slip-name", phrase("another value"), kind, ast.Name(name, ast.Load())
                 )
     if isinstance(child, ast.Attribute) and child.attr in ATTRIBUTES:
-        for name in ATTRIBUTES:
+        for name in ATTRIBUTES[child.attr]:
             if name != child.attr:
                 kind = ("attribute", *sorted((child.attr, name)))
                 other = ast.Attribute(child.value, name, ast.Load())
