@@ -94,7 +94,7 @@ def _findings(
     yield from (*named, *altered) if sure else (*altered, *named)
     causes = {flaw.cause for flaw in named}
     for flaw in failures[:1]:
-        if flaw.cause == "form" and not causes:
+        if flaw.cause in ("form", "misused") and not causes:
             yield _usable(process, lesson, cases, clock, flaw)
         elif flaw.cause not in causes:
             yield flaw
@@ -177,8 +177,8 @@ def _remembered(
 def _usable(
     process: StudentProcess, lesson: Lesson, cases: Iterable[Case], clock: FileClock, flaw: Flaw
 ) -> Flaw:
-    """Return what is wrong with results of another form than asked for: a line, if one change of
-    it mends all, as a return that stands in the loop."""
+    """Return what is wrong with results or arguments of another form than asked for: a line, if one
+    change of it mends all, as a return that stands in the loop."""
     asked = [
         Measured(Outcome(case, ()), np.empty(0), expected_features(lesson.checks, case))
         for case in cases
@@ -266,6 +266,7 @@ def _altered(lesson: Lesson, measured: Iterable[Measured]) -> Iterator[Flaw]:
 
 def _failure(lesson: Lesson, error: StudentError, case: Case | None = None) -> Flaw:
     code = "stopped" if error.fatal else (case.on_error if case else "") or "error"
+    code = "misused" if error.misused else code
     code = "not-written" if str(error).startswith("NotImplementedError") else code
     cause = cause_of(code)
     function = lesson.checks.functions[0] if case is None else case.function

@@ -32,10 +32,11 @@ OPPOSITE: dict[type[ast.AST], tuple[type[ast.AST], ...]] = {
 }
 RANKS = (
     "same-array", "sine", "S4", "arctan", "half-cell", "slip-comparison", "slip-range", "slip-sign",
-    "slip-brackets", "slip-loop", "slip-break", "slip-order", "slip-operator", "slip-function",
-    "slip-missing-two", "slip-number", "slip-too-much", "slip-name", "slip-missing",
+    "line-too-many", "slip-brackets", "slip-loop", "slip-break", "slip-order", "slip-operator",
+    "slip-function", "two-missing", "slip-number", "slip-too-much", "slip-name", "slip-missing",
 )  # fmt: skip
-"""Causes in the order in which they are tried; what has a name of its own comes first."""
+"""Causes, and some kinds of a cause, in the order in which they are tried; what has a name of its
+own comes first."""
 SIGNS, COMPARISONS = (ast.Add, ast.Sub), (ast.cmpop, ast.boolop, ast.BitAnd, ast.BitOr)
 FUNCTIONS: dict[str, tuple[str, ...]] = {
     "sin": ("cos", "tan"), "cos": ("sin",), "tan": ("sin", "cos"), "arctan": ("tan",),
@@ -89,7 +90,7 @@ COUNTING = frozenset(["range", "arange"])
 """Functions that count from a number to another."""
 BOUNDS = frozenset(["min", "max", "minimum", "maximum"])
 """Functions of two arguments of which the second can be one too many."""
-HELD = (("u0", "v0", "height", "forward"), ("slow", "fast"))
+HELD = (("u0", "v0", "height", "forward", "focal"), ("slow", "fast"))
 ATTRIBUTES = {name: together for together in HELD for name in together}
 """Values of what lessons hand over, with those that are taken for each other, or forgotten."""
 MOST_VALUES = 12
@@ -192,7 +193,9 @@ def _rank(edit: Edit) -> tuple[int, bool]:
     cause = edit.cause
     if edit.kind[0] == "wrapped":
         doubled = edit.words in DOUBLED and isinstance(edit.parent, ast.Compare)
-        cause = "slip-missing-two" if doubled else "slip-missing"
+        cause = "two-missing" if doubled else "slip-missing"
+    if edit.kind[:2] == ("lines", "slip-too-much"):
+        cause = "line-too-many"
     return RANKS.index(cause), edit.kind[0] == "term"
 
 
@@ -626,10 +629,11 @@ def _named(place: _Place, child: ast.expr, names: list[str]) -> Iterator[Edit]:
                     "slip-name", phrase("another value"), kind, ast.Name(name, ast.Load())
                 )
     if isinstance(child, ast.Attribute) and child.attr in ATTRIBUTES:
-        for name in ATTRIBUTES[child.attr]:
-            if name != child.attr:
-                kind = ("attribute", *sorted((child.attr, name)))
-                other = ast.Attribute(child.value, name, ast.Load())
+        others = [ast.Attribute(child.value, name, ast.Load()) for name in ATTRIBUTES[child.attr]]
+        own = [ast.Name(name, ast.Load()) for name in names]
+        for other in (*others, *own):
+            if ast.dump(other) != ast.dump(child):
+                kind = ("attribute", *sorted((ast.dump(child), ast.dump(other))))
                 yield place.edit("slip-name", phrase("another value"), kind, other)
 
 

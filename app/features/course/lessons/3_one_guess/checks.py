@@ -181,7 +181,7 @@ def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
     """What shows by itself: equal weights, headings that do not count, underflow, sigma."""
     spread = [item for item in outcomes if item.case.kind in ("headings", "particles", "many")]
     if spread and all(np.ptp(features(item)) == 0 for item in spread):
-        yield Sign("S7", spread[0])
+        yield Sign("S7", spread[0], weak=True)
         return
     wrong = [item for item in outcomes if not _right(item)]
     for kind, cause in (("no-return", "no-return"), ("beyond", "beyond")):

@@ -342,9 +342,18 @@ def _areas(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
             yield Sign("standing", outcome, weak=True)
         elif given[-1] != due[-1]:
             yield Sign("threshold", outcome, weak=True)
+        elif given[-1]:
+            yield Sign("after-drawing", outcome, weak=True)
         else:
-            yield Sign("new-weights" if given[-1] == 0 else "after-drawing", outcome, weak=True)
+            shared = _as_shared(given[: len(weights)], due[: len(weights)])
+            yield Sign("not-normalized" if shared else "new-weights", outcome, weak=True)
         return
+
+
+def _as_shared(given: Array, due: Array) -> bool:
+    """Return whether weights are right but for their sum."""
+    with np.errstate(all="ignore"):
+        return bool(np.allclose(given / given.sum(), due, rtol=0, atol=1e-9))
 
 
 def show(case: Case, values: Array) -> str:

@@ -278,11 +278,13 @@ def _is_mixed(outcome: Outcome) -> bool:
 
 def _shares(worse: Sequence[Outcome]) -> Iterator[Sign]:
     """Name shares of new particles that are not what is due, where nothing more is known."""
+    new = [round(features(item)[0] * COUNT) for item in worse]
+    if 1 in new and max(new) == 1:
+        yield Sign("one-replaced", worse[new.index(1)], weak=True)
+        return
     for item in worse:
         share, due = features(item)[0], expected(item.case, REFERENCE)[0]
-        if 0 < share * COUNT < 2 < due * COUNT:
-            yield Sign("one-replaced", item, weak=True)
-        elif abs(share - due) > LIKELY * math.sqrt(0.25 / COUNT):
+        if abs(share - due) > LIKELY * math.sqrt(0.25 / COUNT):
             yield Sign("ratio", item, weak=True)
 
 
