@@ -350,20 +350,24 @@ def _orders(parent: ast.AST) -> Iterator[Edit]:
     if isinstance(parent, ast.Call) and len(parent.args) == 2 and not parent.keywords:
         name = _last_name(parent.func)
         cause = "arctan" if name in ("arctan2", "atan2") else "slip-order"
-        yield _exchange(parent, "args", (0, 1), cause, ("arguments", name))
+        yield _exchange(parent, "args", [1, 0], cause, name)
     if isinstance(parent, ast.Tuple | ast.List):
         count = len(parent.elts)
         pairs = [(a, b) for a in range(count) for b in range(a + 1, count)] if count < 6 else []
-        for pair in pairs:
-            yield _exchange(parent, "elts", pair, "slip-order", ("elements", pair))
+        for first, second in pairs:
+            order = list(range(count))
+            order[first], order[second] = second, first
+            yield _exchange(parent, "elts", order, "slip-order")
+        if count == 3:
+            yield from (
+                _exchange(parent, "elts", order, "slip-order") for order in ([1, 2, 0], [2, 0, 1])
+            )
 
 
-def _exchange(
-    parent: ast.AST, part: str, pair: tuple[int, int], cause: str, kind: tuple[object, ...]
-) -> Edit:
+def _exchange(parent: ast.AST, part: str, order: list[int], cause: str, name: str = "") -> Edit:
     items = getattr(parent, part)
-    swapped = list(items)
-    swapped[pair[0]], swapped[pair[1]] = items[pair[1]], items[pair[0]]
+    swapped = [items[place] for place in order]
+    kind = (part, name, *order)
     line = getattr(parent, "lineno", 0)
     make: Callable[[], object] = lambda: swapped  # noqa: E731
     return Edit(cause, phrase("the other order"), line, kind, parent, part, make)  # type: ignore[arg-type]

@@ -107,4 +107,4 @@ def generator_signs(outcome: Outcome, results: Sequence[NDArray[Any]]) -> Iterat
         yield Sign("generator", outcome, apart=True, note=note)
     elif all(np.array_equal(first, other) for other in others):
         note = Words("Each seed gives the same result: nothing is drawn from rng.")
-        yield Sign("no-chance", outcome, apart=True, note=note)
+        yield Sign("no-chance", outcome, apart=True, note=note, weak=True)

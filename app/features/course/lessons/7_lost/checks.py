@@ -338,7 +338,8 @@ def _areas(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
                 together = abs(features(outcome)[X_WITH_Y]) > ONE_LINE
                 yield Sign("diagonal" if together else "not-even", outcome, weak=True)
             else:
-                yield Sign("heading" if right[:2].all() else "place", outcome, weak=True)
+                area = "place" if right[2:].all() else "estimate"
+                yield Sign("heading" if right[:2].all() else area, outcome, weak=True)
             return
 
 
