@@ -150,8 +150,8 @@ def _deviations(step: tuple[float, float, float], alphas: Array, mistakes: froze
             "turns-unsquared": _sums(alphas, way**2, sizes[1], squares),
             "turned-unsquared": _sums(alphas, way**2, (rot1**2, rot2**2), sizes[2]),
             "way-unsquared": _sums(alphas, abs(way), (rot1**2, rot2**2), squares),
-            "own-way-unsquared": _sums(alphas, (way, way**2), (rot1**2, rot2**2), squares),
-            "turned-way-unsquared": _sums(alphas, (way**2, way), (rot1**2, rot2**2), squares),
+            "own-way-unsquared": _sums(alphas, (abs(way), way**2), (rot1**2, rot2**2), squares),
+            "turned-way-unsquared": _sums(alphas, (way**2, abs(way)), (rot1**2, rot2**2), squares),
         },
         variances,
     )
