@@ -181,7 +181,9 @@ def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
     """What shows by itself: equal weights, headings that do not count, underflow, sigma."""
     spread = [item for item in outcomes if item.case.kind in ("headings", "particles", "many")]
     if spread and all(np.ptp(features(item)) == 0 for item in spread):
-        yield Sign("S7", spread[0], weak=True)
+        # A scan that counts in one case and not in others has another cause.
+        one_seen = any(np.ptp(features(item)) or features(item)[0] for item in outcomes)
+        yield Sign("S7", spread[0], weak=one_seen)
         return
     wrong = [item for item in outcomes if not _right(item)]
     for kind, cause in (("no-return", "no-return"), ("beyond", "beyond")):
