@@ -417,13 +417,13 @@ def _moved(parent: ast.AST, part: str, lines: list[ast.stmt]) -> Iterator[Edit]:
 
 def _joined(parent: ast.AST, part: str, lines: list[ast.stmt]) -> Iterator[Edit]:
     """Set two values at once: the second is made of what the first was before."""
-    for index, (one, other) in enumerate(pairwise(lines)):
-        if isinstance(one, ast.Assign) and isinstance(other, ast.Assign):
-            targets: list[ast.expr] = [ast.Tuple([one.targets[0], other.targets[0]], ast.Store())]
-            both = ast.Assign(targets, ast.Tuple([one.value, other.value], ast.Load()))
+    for index, (first, second) in enumerate(pairwise(lines)):
+        if isinstance(first, ast.Assign) and isinstance(second, ast.Assign):
+            targets: list[ast.expr] = [ast.Tuple([first.targets[0], second.targets[0]], ast.Store())]
+            both = ast.Assign(targets, ast.Tuple([first.value, second.value], ast.Load()))
             changed = [*lines[:index], both, *lines[index + 2 :]]
             words = phrase("this line and the one before it at once")
-            yield _rewritten(parent, part, changed, other, "slip-order", words)
+            yield _rewritten(parent, part, changed, second, "slip-order", words)
 
 
 def _around_block(

@@ -120,7 +120,7 @@ def expected(case: Case, mistakes: frozenset[str]) -> Array:
     error = float(goal[2] - own) if arrived else _bearing(case, mistakes)
     part = "goal" if arrived else "way"
     rules = {each: rule for name, rule in GAINS.items() for each in (name, f"{name}-{part}")}
-    gain = by_mistake(mistakes, rules, lambda delay: GAIN / delay)(delay)
+    gain = by_mistake(mistakes, {name: rule(delay) for name, rule in rules.items()}, GAIN / delay)
     if not mistakes & {"unwrapped", f"unwrapped-{part}"}:
         error = wrap_angle(error)
     if "degrees" in mistakes:
