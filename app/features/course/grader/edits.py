@@ -419,8 +419,8 @@ def _joined(parent: ast.AST, part: str, lines: list[ast.stmt]) -> Iterator[Edit]
     """Set two values at once: the second is made of what the first was before."""
     for index, (first, second) in enumerate(pairwise(lines)):
         if isinstance(first, ast.Assign) and isinstance(second, ast.Assign):
-            targets: list[ast.expr] = [ast.Tuple([first.targets[0], second.targets[0]], ast.Store())]
-            both = ast.Assign(targets, ast.Tuple([first.value, second.value], ast.Load()))
+            target = ast.Tuple([first.targets[0], second.targets[0]], ast.Store())
+            both = ast.Assign([target], ast.Tuple([first.value, second.value], ast.Load()))
             changed = [*lines[:index], both, *lines[index + 2 :]]
             words = phrase("this line and the one before it at once")
             yield _rewritten(parent, part, changed, second, "slip-order", words)
