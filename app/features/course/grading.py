@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from app.features.course.grader.case import Case, Checks, FormError, numbers
+from app.features.course.grader.case import Case, Checks, FormError, Outcome, numbers
 from app.features.course.grader.causes.causes import cause_of
 from app.features.course.grader.diagnosis import (
     Diagnosis,
@@ -83,7 +83,8 @@ def _findings(
     if missing:
         yield _failure(lesson, StudentError(f"there is no function {missing[0]}"))
         return
-    measured, failures = measure(process, lesson, checks.cases(seed))
+    cases = checks.cases(seed)
+    measured, failures = measure(process, lesson, cases)
     altered = list(_altered(lesson, measured))
     try:
         named, sure = _named(process, lesson, measured, clock, altered=bool(altered))
@@ -92,7 +93,11 @@ def _findings(
     # What is not known for sure may follow from arrays that were written over.
     yield from (*named, *altered) if sure else (*altered, *named)
     causes = {flaw.cause for flaw in named}
-    yield from [flaw for flaw in failures[:1] if flaw.cause not in causes]
+    for flaw in failures[:1]:
+        if flaw.cause in ("form", "misused") and not causes:
+            yield _usable(process, lesson, cases, clock, flaw)
+        elif flaw.cause not in causes:
+            yield flaw
 
 
 def measure(
@@ -169,17 +174,43 @@ def _remembered(
     return _finding(lesson, "remembered", first.case, words)
 
 
+def _usable(
+    process: StudentProcess, lesson: Lesson, cases: Iterable[Case], clock: FileClock, flaw: Flaw
+) -> Flaw:
+    """Return what is wrong with results or arguments of another form than asked for: a line, if one
+    change of it mends all, as a return that stands in the loop."""
+    asked = [
+        Measured(Outcome(case, ()), np.empty(0), expected_features(lesson.checks, case))
+        for case in cases
+        if case.play is None
+    ]
+    change = mend(process, lesson.checks, asked, clock)
+    if change is None:
+        return flaw
+    cause = cause_of(change.cause)
+    return replace(
+        flaw,
+        cause=change.cause,
+        symptom=Words(cause.symptom),
+        case=_where(change, flaw.case),
+        seems=Words(cause.seems),
+        advice=Words(cause.advice),
+        line=change.line,
+    )
+
+
 def _slip(lesson: Lesson, change: Mended, measured: Measured) -> Flaw:
     """Return the finding of a slip that one small change mends: its line, and what it needs."""
-    text = "{compared} Line {line} is where it happens: with {change} there all is right."
-    values = {
-        "compared": _compared(lesson.checks, measured),
-        "line": change.line,
-        "change": Words(change.words),
-    }
+    words = _where(change, _compared(lesson.checks, measured))
     picture = _drawn(lesson.checks, measured)
-    flaw = _finding(lesson, change.cause, measured.case, Words(text, values), picture)
+    flaw = _finding(lesson, change.cause, measured.case, words, picture)
     return replace(flaw, line=change.line)
+
+
+def _where(change: Mended, compared: Words) -> Words:
+    text = "{compared} Line {line} is where it happens: with {change} there all is right."
+    values = {"compared": compared, "line": change.line, "change": Words(change.words)}
+    return Words(text, values)
 
 
 def _explained(lesson: Lesson, checks: Checks, diagnosis: Diagnosis) -> Flaw:
@@ -235,6 +266,7 @@ def _altered(lesson: Lesson, measured: Iterable[Measured]) -> Iterator[Flaw]:
 
 def _failure(lesson: Lesson, error: StudentError, case: Case | None = None) -> Flaw:
     code = "stopped" if error.fatal else (case.on_error if case else "") or "error"
+    code = "misused" if error.misused else code
     code = "not-written" if str(error).startswith("NotImplementedError") else code
     cause = cause_of(code)
     function = lesson.checks.functions[0] if case is None else case.function

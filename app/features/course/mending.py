@@ -23,7 +23,7 @@ from app.features.course.sandbox.student_process import (
     StudentProcess,
 )
 
-MOST_CHANGES, MOST_SLOW = 4000, 600
+MOST_CHANGES, MOST_SLOW = 8000, 600
 """Changes that are tried; and where one case takes long, as a cloud of particles does."""
 SLOW_CALLS, SLOW_NUMBERS = 4, 5000
 """A case with more calls, or with more numbers in what it is given, is slow."""

@@ -6,11 +6,13 @@ import ast
 import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
-from itertools import combinations, pairwise
+from itertools import combinations, pairwise, permutations
 
 from app.languages.marking import phrase
 
 Make = Callable[[], ast.AST]
+Block = ast.For | ast.While | ast.If
+"""Statements with lines of their own."""
 
 OPPOSITE: dict[type[ast.AST], tuple[type[ast.AST], ...]] = {
     ast.Add: (ast.Sub,),
@@ -30,10 +32,11 @@ OPPOSITE: dict[type[ast.AST], tuple[type[ast.AST], ...]] = {
 }
 RANKS = (
     "same-array", "sine", "S4", "arctan", "half-cell", "slip-comparison", "slip-range", "slip-sign",
-    "slip-brackets", "slip-loop", "slip-order", "slip-operator", "slip-function", "slip-number",
-    "slip-too-much", "slip-name", "slip-missing",
+    "line-too-many", "slip-brackets", "slip-loop", "slip-break", "slip-order", "slip-operator",
+    "slip-function", "two-missing", "slip-number", "slip-too-much", "slip-name", "slip-missing",
 )  # fmt: skip
-"""Causes in the order in which they are tried; what has a name of its own comes first."""
+"""Causes, and some kinds of a cause, in the order in which they are tried; what has a name of its
+own comes first."""
 SIGNS, COMPARISONS = (ast.Add, ast.Sub), (ast.cmpop, ast.boolop, ast.BitAnd, ast.BitOr)
 FUNCTIONS: dict[str, tuple[str, ...]] = {
     "sin": ("cos", "tan"), "cos": ("sin",), "tan": ("sin", "cos"), "arctan": ("tan",),
@@ -72,18 +75,24 @@ WRAPPERS: tuple[tuple[str, str], ...] = (
     (phrase("half of it"), "({x}) / 2"),
     (phrase("twice as much"), "({x}) * 2"),
     (phrase("one over it"), "1 / ({x})"),
+    (phrase("an angle brought back to -π to π"), f"(({{x}}) + {math.pi}) % {math.tau} - {math.pi}"),
 )
 """What can be missing around a part of a line: in words, and as code."""
 TRIGONOMETRY = frozenset(["sin", "cos", "tan", "exp"])
 """Functions of an angle."""
+DOUBLED = frozenset(["half of it", "twice as much"])
+"""A 2 that is missing in a question, which other numbers of the code could make up for."""
+IN_QUESTIONS = DOUBLED | {"an absolute value", "one over it", "a square root", "a square"}
+"""What can be missing where something is asked, too, as whether a squared distance is below 0.1."""
 ANGLES = frozenset(["radians", "degrees", "deg2rad", "rad2deg"])
 """Functions that change an angle's unit."""
 COUNTING = frozenset(["range", "arange"])
 """Functions that count from a number to another."""
 BOUNDS = frozenset(["min", "max", "minimum", "maximum"])
 """Functions of two arguments of which the second can be one too many."""
-ATTRIBUTES = ("u0", "v0", "slow", "fast", "height", "forward")
-"""Values of what lessons hand over that are taken for each other."""
+HELD = (("u0", "v0", "height", "forward", "focal"), ("slow", "fast"))
+ATTRIBUTES = {name: together for together in HELD for name in together}
+"""Values of what lessons hand over, with those that are taken for each other, or forgotten."""
 MOST_VALUES = 12
 """Values of a function that are tried as factors and terms."""
 LONGEST = 400
@@ -97,6 +106,7 @@ CAUSE_OF_NAME = {
 """Functions whose exchange has a name of its own."""
 CAUSE_OF_WRAPPER = {
     "a minus sign": "slip-sign", "radians for degrees": "S4", "degrees for radians": "S4",
+    "an angle brought back to -π to π": "E2",
 }  # fmt: skip
 
 
@@ -180,14 +190,20 @@ def _written(item: ast.stmt) -> str:
 
 
 def _rank(edit: Edit) -> tuple[int, bool]:
-    missing = "slip-missing" if edit.kind[0] == "wrapped" else edit.cause
-    return RANKS.index(missing), edit.kind[0] == "term"
+    cause = edit.cause
+    if edit.kind[0] == "wrapped":
+        doubled = edit.words in DOUBLED and isinstance(edit.parent, ast.Compare)
+        cause = "two-missing" if doubled else "slip-missing"
+    if edit.kind[:2] == ("lines", "slip-too-much"):
+        cause = "line-too-many"
+    return RANKS.index(cause), edit.kind[0] == "term"
 
 
 def _chosen(candidates: list[Edit]) -> Iterator[tuple[Edit, ...]]:
-    """Yield each change alone, then two of one kind, all of one kind; and at last terms."""
-    terms = [edit for edit in candidates if edit.kind[0] == "term"]
-    candidates = [edit for edit in candidates if edit.kind[0] != "term"]
+    """Yield each change alone, then two of one kind, all of one kind; at last those that can make
+    up for a mistake elsewhere: terms, and angles that are brought back."""
+    late = [edit for edit in candidates if _is_late(edit)]
+    candidates = [edit for edit in candidates if not _is_late(edit)]
     yield from ((edit,) for edit in candidates)
     kinds: dict[tuple[object, ...], list[Edit]] = {}
     for edit in candidates:
@@ -198,7 +214,11 @@ def _chosen(candidates: list[Edit]) -> Iterator[tuple[Edit, ...]]:
     for alike in kinds.values():
         if 2 < len(alike) < 9 and not _nested(tuple(alike)):
             yield tuple(alike)
-    yield from ((edit,) for edit in terms)
+    yield from ((edit,) for edit in late)
+
+
+def _is_late(edit: Edit) -> bool:
+    return edit.kind[0] == "term" or edit.cause == "E2"
 
 
 def _nested(chosen: tuple[Edit, ...]) -> bool:
@@ -276,17 +296,16 @@ def _names(function: ast.stmt) -> list[str]:
 
 def _values(function: ast.stmt) -> list[ast.expr]:
     """Return what a function works with, each once: names, and calls that make a number."""
-    values = dict[str, ast.expr]()
+    values: list[ast.expr] = []
     for item in ast.walk(function):
-        call = isinstance(item, ast.Call) and _last_name(item.func) in ("sin", "cos", "tan", "sum")
-        value = isinstance(item, ast.Name) and isinstance(item.ctx, ast.Store)
-        part = isinstance(item, ast.Attribute) and item.attr in ATTRIBUTES
-        if call or part:
-            values.setdefault(ast.dump(item), item)  # type: ignore[arg-type]
-        elif value:
-            name = ast.Name(item.id, ast.Load())  # type: ignore[attr-defined]
-            values.setdefault(ast.dump(name), name)
-    return list(values.values())[:MOST_VALUES]
+        if isinstance(item, ast.Call) and _last_name(item.func) in ("sin", "cos", "tan", "sum"):
+            values.append(item)
+        elif isinstance(item, ast.Attribute) and item.attr in ATTRIBUTES:
+            together = ATTRIBUTES[item.attr]
+            values += [ast.Attribute(item.value, name, ast.Load()) for name in together]
+        elif isinstance(item, ast.Name) and isinstance(item.ctx, ast.Store):
+            values.append(ast.Name(item.id, ast.Load()))
+    return list({ast.dump(value): value for value in values}.values())[:MOST_VALUES]
 
 
 def _numbers(function: ast.stmt) -> list[float]:
@@ -331,38 +350,37 @@ def _orders(parent: ast.AST) -> Iterator[Edit]:
     if isinstance(parent, ast.Call) and len(parent.args) == 2 and not parent.keywords:
         name = _last_name(parent.func)
         cause = "arctan" if name in ("arctan2", "atan2") else "slip-order"
-        yield _exchange(parent, "args", (0, 1), cause, ("arguments", name))
+        yield _exchange(parent, "args", [1, 0], cause, name)
     if isinstance(parent, ast.Tuple | ast.List):
         count = len(parent.elts)
         pairs = [(a, b) for a in range(count) for b in range(a + 1, count)] if count < 6 else []
-        for pair in pairs:
-            yield _exchange(parent, "elts", pair, "slip-order", ("elements", pair))
+        for first, second in pairs:
+            order = list(range(count))
+            order[first], order[second] = second, first
+            yield _exchange(parent, "elts", order, "slip-order")
+        if count == 3:
+            yield from (
+                _exchange(parent, "elts", order, "slip-order") for order in ([1, 2, 0], [2, 0, 1])
+            )
 
 
-def _exchange(
-    parent: ast.AST, part: str, pair: tuple[int, int], cause: str, kind: tuple[object, ...]
-) -> Edit:
+def _exchange(parent: ast.AST, part: str, order: list[int], cause: str, name: str = "") -> Edit:
     items = getattr(parent, part)
-    swapped = list(items)
-    swapped[pair[0]], swapped[pair[1]] = items[pair[1]], items[pair[0]]
+    swapped = [items[place] for place in order]
+    kind = (part, name, *order)
     line = getattr(parent, "lineno", 0)
     make: Callable[[], object] = lambda: swapped  # noqa: E731
     return Edit(cause, phrase("the other order"), line, kind, parent, part, make)  # type: ignore[arg-type]
 
 
 def _lines(parent: ast.AST) -> Iterator[Edit]:
-    """Exchange two lines, leave one out, or move one out of a loop or before it."""
+    """Put a line later or earlier, leave one out, or move one out of a loop or before it."""
     for part in ("body", "orelse"):
         lines = getattr(parent, part, None)
         if not isinstance(lines, list) or isinstance(parent, ast.ClassDef):
             continue
-        for index in range(len(lines) - 1):
-            if isinstance(lines[index + 1], ast.Return) or isinstance(lines[index], ast.Return):
-                continue
-            swapped = [*lines[:index], lines[index + 1], lines[index], *lines[index + 2 :]]
-            yield _rewritten(
-                parent, part, swapped, lines[index], "slip-order", phrase("the other order")
-            )
+        yield from _moved(parent, part, lines)
+        yield from _joined(parent, part, lines)
         for index, item in enumerate(lines):
             if len(lines) > 1 and not isinstance(item, ast.Return | ast.FunctionDef):
                 left = [*lines[:index], *lines[index + 1 :]]
@@ -372,33 +390,69 @@ def _lines(parent: ast.AST) -> Iterator[Edit]:
                 changed = [*lines[:index], going, *lines[index + 1 :]]
                 words = phrase("while for if")
                 yield _rewritten(parent, part, changed, item, "slip-loop", words)
-            if isinstance(item, ast.For | ast.While):
-                yield from _around_loop(parent, part, lines, index, item)
+                if isinstance(parent, ast.For | ast.While) and not _leaves(item.body[-1]):
+                    ended = _with_body(item, [*item.body, ast.Break()])
+                    changed = [*lines[:index], ended, *lines[index + 1 :]]
+                    words = phrase("an end of the loop")
+                    yield _rewritten(parent, part, changed, item.body[-1], "slip-break", words)
+            if isinstance(item, Block):
+                yield from _around_block(parent, part, lines, index, item)
 
 
-def _around_loop(
-    parent: ast.AST, part: str, lines: list[ast.stmt], index: int, loop: ast.For | ast.While
+def _leaves(item: ast.stmt) -> bool:
+    return isinstance(item, ast.Break | ast.Continue | ast.Return | ast.Raise)
+
+
+def _moved(parent: ast.AST, part: str, lines: list[ast.stmt]) -> Iterator[Edit]:
+    """Put each line after or before others of its block, the nearest first."""
+    movable = [index for index, item in enumerate(lines) if not isinstance(item, ast.Return)]
+    pairs = sorted(permutations(movable, 2), key=lambda pair: abs(pair[0] - pair[1]))
+    for old, new in pairs:
+        if new == old - 1:  # is the same as putting that line after this one
+            continue
+        rest = [*lines[:old], *lines[old + 1 :]]
+        changed = [*rest[:new], lines[old], *rest[new:]]
+        yield _rewritten(parent, part, changed, lines[old], "slip-order", phrase("the other order"))
+
+
+def _joined(parent: ast.AST, part: str, lines: list[ast.stmt]) -> Iterator[Edit]:
+    """Set two values at once: the second is made of what the first was before."""
+    for index, (first, second) in enumerate(pairwise(lines)):
+        if isinstance(first, ast.Assign) and isinstance(second, ast.Assign):
+            target = ast.Tuple([first.targets[0], second.targets[0]], ast.Store())
+            both = ast.Assign([target], ast.Tuple([first.value, second.value], ast.Load()))
+            changed = [*lines[:index], both, *lines[index + 2 :]]
+            words = phrase("this line and the one before it at once")
+            yield _rewritten(parent, part, changed, second, "slip-order", words)
+
+
+def _around_block(
+    parent: ast.AST, part: str, lines: list[ast.stmt], index: int, block: Block
 ) -> Iterator[Edit]:
-    words = phrase("its place inside or outside of the loop")
-    if index:
-        inner = _with_body(loop, [lines[index - 1], *loop.body])
-        moved = [*lines[: index - 1], inner, *lines[index + 1 :]]
-        yield _rewritten(parent, part, moved, lines[index - 1], "slip-order", words)
-    if len(loop.body) > 1:
-        last = loop.body[-1]
-        outer = [_with_body(loop, loop.body[:-1]), last]
-        moved = [*lines[:index], *outer, *lines[index + 1 :]]
-        yield _rewritten(parent, part, moved, last, "slip-order", words)
-        first = loop.body[0]
-        outer = [first, _with_body(loop, loop.body[1:])]
-        moved = [*lines[:index], *outer, *lines[index + 1 :]]
-        yield _rewritten(parent, part, moved, first, "slip-order", words)
+    """Move lines beside a loop or an if into it, or lines of it out."""
+    words = phrase("its place inside or outside of the loop or the if")
+    before, after, body = lines[:index], lines[index + 1 :], block.body
+
+    def moved(item: ast.stmt, *new: ast.stmt) -> Edit:
+        return _rewritten(parent, part, list(new), item, "slip-order", words)
+
+    if isinstance(block, ast.For | ast.While):
+        if before:
+            inner = _with_body(block, [before[-1], *body])
+            yield moved(before[-1], *before[:-1], inner, *after)
+        for count in range(1, len(body)):
+            outer = _with_body(block, body[count:])
+            yield moved(body[0], *before, *body[:count], outer, *after)
+    if len(body) > 1:
+        yield moved(body[-1], *before, _with_body(block, body[:-1]), body[-1], *after)
+    if after and not _leaves(body[-1]):
+        yield moved(after[0], *before, _with_body(block, [*body, after[0]]), *after[1:])
 
 
-def _with_body(loop: ast.For | ast.While, body: list[ast.stmt]) -> ast.stmt:
-    if isinstance(loop, ast.For):
-        return ast.For(loop.target, loop.iter, body, loop.orelse, lineno=loop.lineno)
-    return ast.While(loop.test, body, loop.orelse, lineno=loop.lineno)
+def _with_body(block: Block, body: list[ast.stmt]) -> ast.stmt:
+    if isinstance(block, ast.For):
+        return ast.For(block.target, block.iter, body, block.orelse, lineno=block.lineno)
+    return type(block)(block.test, body, block.orelse, lineno=block.lineno)
 
 
 def _rewritten(
@@ -514,6 +568,9 @@ def _less(place: _Place, child: ast.expr) -> Iterator[Edit]:
         if inner is not None and (alone or (name in BOUNDS and len(child.args) == 2)):
             cause = "S4" if name in ANGLES else "slip-too-much"
             yield place.edit(cause, phrase("one function less"), ("call", name), inner)
+        if name in ("arctan2", "atan2") and len(child.args) == 2:
+            ratio = ast.BinOp(child.args[0], ast.Div(), child.args[1])
+            yield place.edit("slip-function", phrase("a ratio alone"), ("ratio",), ratio)
 
 
 def _brackets(place: _Place, child: ast.expr) -> Iterator[Edit]:
@@ -553,7 +610,8 @@ def _terms(place: _Place, child: ast.expr, values: list[ast.expr]) -> Iterator[E
     """Put in a factor or a term that is one of the function's own values."""
     if not isinstance(child, ast.BinOp | ast.Call | ast.Name | ast.Subscript):
         return
-    if not isinstance(place.parent, ast.BinOp | ast.Assign | ast.Return | ast.Tuple):
+    holds = isinstance(place.parent, ast.BinOp | ast.Assign | ast.Return | ast.Tuple)
+    if not holds and not _is_trigonometry(place.parent):
         return
     for value in values:
         for operator, words in (
@@ -575,10 +633,11 @@ def _named(place: _Place, child: ast.expr, names: list[str]) -> Iterator[Edit]:
                     "slip-name", phrase("another value"), kind, ast.Name(name, ast.Load())
                 )
     if isinstance(child, ast.Attribute) and child.attr in ATTRIBUTES:
-        for name in ATTRIBUTES:
-            if name != child.attr:
-                kind = ("attribute", *sorted((child.attr, name)))
-                other = ast.Attribute(child.value, name, ast.Load())
+        others = [ast.Attribute(child.value, name, ast.Load()) for name in ATTRIBUTES[child.attr]]
+        own = [ast.Name(name, ast.Load()) for name in names]
+        for other in (*others, *own):
+            if ast.dump(other) != ast.dump(child):
+                kind = ("attribute", *sorted((ast.dump(child), ast.dump(other))))
                 yield place.edit("slip-name", phrase("another value"), kind, other)
 
 
@@ -589,13 +648,12 @@ def _more(place: _Place, child: ast.expr) -> Iterator[Edit]:
     if isinstance(place.parent, ast.Subscript | ast.Attribute | ast.For | ast.comprehension):
         return
     asked = isinstance(place.parent, ast.Compare | ast.BoolOp | ast.If | ast.While)
-    angle = isinstance(place.parent, ast.Assign | ast.Return | ast.Tuple) or (
-        isinstance(place.parent, ast.Call) and _last_name(place.parent.func) in TRIGONOMETRY
-    )
+    given = isinstance(place.parent, ast.Assign | ast.Return | ast.Tuple)
+    angle = given or _is_trigonometry(place.parent)
     for words, code in WRAPPERS:
         cause = CAUSE_OF_WRAPPER.get(words, "slip-missing")
-        anywhere = words in ("an absolute value", "one over it")
-        if anywhere or (not asked and (angle or cause != "S4")):
+        fits = {"S4": angle, "E2": given or isinstance(place.parent, ast.Call)}.get(cause, True)
+        if words in IN_QUESTIONS or (fits and not asked):
             yield place.edit(cause, words, ("wrapped", code), _wrapped(child, code))
     if isinstance(place.parent, ast.If | ast.While):
         opposite = ast.UnaryOp(ast.Not(), child)
@@ -613,6 +671,10 @@ def _wrapped(child: ast.expr, code: str) -> ast.expr:
                     getattr(item, part)[index] = child
                 return made
     return made
+
+
+def _is_trigonometry(item: ast.AST) -> bool:
+    return isinstance(item, ast.Call) and _last_name(item.func) in TRIGONOMETRY
 
 
 def _last_name(function: ast.AST) -> str:

@@ -150,6 +150,8 @@ def _deviations(step: tuple[float, float, float], alphas: Array, mistakes: froze
             "turns-unsquared": _sums(alphas, way**2, sizes[1], squares),
             "turned-unsquared": _sums(alphas, way**2, (rot1**2, rot2**2), sizes[2]),
             "way-unsquared": _sums(alphas, abs(way), (rot1**2, rot2**2), squares),
+            "own-way-unsquared": _sums(alphas, (abs(way), way**2), (rot1**2, rot2**2), squares),
+            "turned-way-unsquared": _sums(alphas, (way**2, abs(way)), (rot1**2, rot2**2), squares),
         },
         variances,
     )
@@ -166,10 +168,16 @@ def _deviations(step: tuple[float, float, float], alphas: Array, mistakes: froze
     return np.sqrt(deviations) if "rooted-twice" in mistakes else deviations
 
 
-def _sums(alphas: Array, way: float, turns: tuple[float, float], turned: float) -> Array:
-    """Return the three sums of the alphas with sizes of way and rotations."""
+def _sums(
+    alphas: Array, way: float | tuple[float, float], turns: tuple[float, float], turned: float
+) -> Array:
+    """Return the three sums of the alphas with sizes of way, for itself and for the rotations, and
+    of rotations."""
     a1, a2, a3, a4 = alphas
-    return np.array([a3 * way + a4 * turned, a1 * turns[0] + a2 * way, a1 * turns[1] + a2 * way])
+    own, other = way if isinstance(way, tuple) else (way, way)
+    return np.array(
+        [a3 * own + a4 * turned, a1 * turns[0] + a2 * other, a1 * turns[1] + a2 * other]
+    )
 
 
 def _alphas(alphas: Array, mistakes: frozenset[str]) -> Array:

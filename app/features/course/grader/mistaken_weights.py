@@ -40,6 +40,22 @@ def ends(
     poses: Array, bearings: Array, ranges: Array, mistakes: frozenset[str]
 ) -> tuple[Array, Array]:
     """Return x and y (n, k) where the rays (k,) of guesses (n, 3) end [m]."""
+    x, y = (
+        _ends_along(axis, poses, bearings, ranges, _of_axis(name, mistakes))
+        for axis, name in enumerate("xy")
+    )
+    return x, y
+
+
+def _of_axis(axis: str, mistakes: frozenset[str]) -> frozenset[str]:
+    """Return mistakes with those that are made of one coordinate alone, x or y."""
+    own = (name.removesuffix(f"-{axis}") for name in mistakes if name.endswith(f"-{axis}"))
+    return mistakes.union(own)
+
+
+def _ends_along(
+    axis: int, poses: Array, bearings: Array, ranges: Array, mistakes: frozenset[str]
+) -> Array:
     headings = poses[:, 2:] * ("no-heading" not in mistakes)
     if "heading-as-degrees" in mistakes:
         headings = np.radians(headings)
@@ -52,39 +68,22 @@ def ends(
         angles = bearings - headings
     if "angles-as-degrees" in mistakes:
         angles = np.radians(angles)
-    cosine, sine = np.cos(angles), np.sin(angles)
-    functions = {
-        "sine-first": (sine, cosine), "cosine-twice": (cosine, cosine), "sine-twice": (sine, sine)
-    }  # fmt: skip
-    x, y = (ranges * each for each in by_mistake(mistakes, functions, (cosine, sine)))
-    if mistakes & {"x-mirrored", "ray-backwards"}:
-        x = -x
-    if mistakes & {"y-mirrored", "ray-backwards"}:
-        y = -y
+    sine = (axis == 1) != ("sine-first" in mistakes)
+    ray: Array = ranges * (np.sin(angles) if sine else np.cos(angles))
+    if "ray-backwards" in mistakes:
+        ray = -ray
     if "place-lost" in mistakes:
-        return x, y
-    axes = {"place-x-twice": (0, 0), "place-y-twice": (1, 1), "place-exchanged": (1, 0)}
-    across, along = by_mistake(mistakes, axes, (0, 1))
-    return poses[:, [across]] + x, poses[:, [along]] + y
+        return ray
+    place = 1 - axis if "place-exchanged" in mistakes else axis
+    return poses[:, [place]] + ray
 
 
 def distances(x: Array, y: Array, field: SimpleNamespace, mistakes: frozenset[str]) -> Array:
     """Return how far from the tape places are, by the field's table [m]."""
-    start = field.origin
-    if "origin-ignored" in mistakes:
-        start = np.zeros(2)
-    if "origin-added" in mistakes:
-        start = -field.origin
-    if "origin-swapped" in mistakes:
-        start = field.origin[::-1]
-    if "origin-x-twice" in mistakes:
-        start = field.origin[[0, 0]]
-    if "origin-y-twice" in mistakes:
-        start = field.origin[[1, 1]]
-    across = 0.5 if mistakes & {"rounded", "rounded-x"} else 0.0
-    along = 0.5 if mistakes & {"rounded", "rounded-y"} else 0.0
-    columns = np.floor((x - start[0]) / field.cell + across).astype(int)
-    rows = np.floor((y - start[1]) / field.cell + along).astype(int)
+    columns, rows = (
+        _cells_along(axis, along, field, _of_axis(name, mistakes))
+        for axis, (name, along) in enumerate((("x", x), ("y", y)))
+    )
     if "rows" in mistakes:
         rows, columns = columns, rows
     row_off, column_off = by_mistake(mistakes, OFF, (0, 0))
@@ -98,6 +97,18 @@ def distances(x: Array, y: Array, field: SimpleNamespace, mistakes: frozenset[st
         return beyond
     result: Array = field.distances[rows.clip(0, height - 1), columns.clip(0, width - 1)]
     return result
+
+
+def _cells_along(
+    axis: int, along: Array, field: SimpleNamespace, mistakes: frozenset[str]
+) -> NDArray[np.int_]:
+    start = field.origin[axis]
+    starts = {
+        "origin-ignored": 0.0, "origin-added": -start, "origin-swapped": field.origin[1 - axis]
+    }  # fmt: skip
+    apart = (along - by_mistake(mistakes, starts, start)) / field.cell
+    cells: NDArray[np.int_] = np.floor(apart + 0.5 * ("rounded" in mistakes)).astype(int)
+    return cells
 
 
 def within(x: Array, y: Array, field: SimpleNamespace) -> NDArray[np.bool_]:

@@ -56,13 +56,17 @@ CANNOT_USE = (TypeError, ValueError, LookupError, AttributeError, ArithmeticErro
 class StudentError(BrickPoseError, RuntimeError):
     """A student's code gives no result; the message says why.
 
-    ``line`` is the line of the file, where it is known; ``fatal`` when the process is gone.
+    ``line`` is the line of the file, where it is known; ``fatal`` when the process is gone;
+    ``misused`` when the code called a function of the lesson with what this cannot use.
     """
 
-    def __init__(self, words: str, line: int | None = None, *, fatal: bool = False) -> None:
+    def __init__(
+        self, words: str, line: int | None = None, *, fatal: bool = False, misused: bool = False
+    ) -> None:
         super().__init__(words)
         self.line = line
         self.fatal = fatal
+        self.misused = misused
 
 
 @dataclass(frozen=True, eq=False)
@@ -305,7 +309,7 @@ def _served(answer: Mapping[str, Any], offered: Mapping[str, Callable[..., Any]]
         return function(*arguments)
     except CANNOT_USE as error:
         raise StudentError(
-            f"gives {answer['call']} what it cannot use: {_cut(error)}", fatal=True
+            f"gives {answer['call']} what it cannot use: {_cut(error)}", fatal=True, misused=True
         ) from error
 
 

@@ -15,6 +15,11 @@ AREAS = {
         "x and y are right; the heading is not.",
         "Work out the heading of the case on paper, and print what it is made of.",
     ),
+    "estimate": Cause(
+        "The robot is said to be in a wrong place, and to look in a wrong direction.",
+        "Neither x and y of the estimate nor its heading are right.",
+        "Print which particles the estimate is made of, and with which weights.",
+    ),
     "step": Cause(
         "The robot is said to be in a wrong place, and to look in a wrong direction.",
         "The step itself is wrong, its way or its turn, before any noise.",
@@ -38,7 +43,8 @@ AREAS = {
     "curve": Cause(
         "One ray counts too much, or too little.",
         "With one guess and one ray the likelihood is wrong already.",
-        "Work out 0.95 exp(-d² / (2 sigma²)) + 0.05 for that distance, and its logarithm.",
+        "Print where the ray ends, its cell, and the distance d there; then work out "
+        "0.95 exp(-d² / (2 sigma²)) + 0.05 for that distance, and its logarithm.",
     ),
     "ends": Cause(
         "The rays end in wrong places.",

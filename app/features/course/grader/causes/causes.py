@@ -45,6 +45,11 @@ ANY = {
         "It still raises NotImplementedError, as its stub does.",
         "Write it, and take that line out.",
     ),
+    "misused": Cause(
+        "A function of the lesson gets what it cannot use.",
+        "Its arguments are exchanged, or one of them is something else than it wants.",
+        "Compare that call with the stub, argument by argument.",
+    ),
     "stopped": Cause(
         "The function had to be stopped.",
         "It does something that no lesson needs, or does not end.",

@@ -114,6 +114,11 @@ FILTER = {
         "Who survives is decided by an order of the particles, not by chance and weight.",
         "Nobody is safe, and nobody lost: each survives as often as its weight says.",
     ),
+    "one-survivor": Cause(
+        "After one draw the whole cloud is a single particle.",
+        "One number decides for all survivors.",
+        "n survivors need n numbers on the line: the first one, and n - 1 steps from it.",
+    ),
     "best-only": Cause(
         "One particle stands for the whole cloud.",
         "Only the heaviest particle is used.",
@@ -395,6 +400,11 @@ FILTER = {
         "It believes each look entirely.",
         "The look counts as exact: its variance is left out of the gain.",
         "k = variance believed / (variance believed + variance seen).",
+    ),
+    "look-lost": Cause(
+        "However often it looks, the belief stays where the wheels put it.",
+        "What was seen does not change the mean.",
+        "After the look the mean is mean + k * (seen - mean).",
     ),
     "gain-fixed": Cause(
         "A bad look spoils a good belief.",

@@ -21,6 +21,12 @@ SLIPS = {
         "if asks once; what is to be done as long as it is so needs while.",
         "How often has that line to be done at most? if does it once.",
     ),
+    "slip-break": Cause(
+        "It goes on where it should stop.",
+        "A loop is not ended where what it searches has turned up: the rounds that follow take "
+        "more, or write over it.",
+        "What happens in the next round after the right one? break ends a loop.",
+    ),
     "slip-operator": Cause(
         "The result has another size than it should.",
         "An operator is the wrong one, as times for divided.",

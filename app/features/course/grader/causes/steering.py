@@ -27,8 +27,8 @@ STEERING = {
     ),
     "distance": Cause(
         "Beside its way, the robot aims at another point than it should.",
-        "How far a point is away is not the length of (dx, dy): both are added, or the larger one "
-        "is taken.",
+        "How far a point is away is not the length of (dx, dy): both are added, or one of them is "
+        "taken.",
         "Points that are equally far away lie on a circle: math.hypot(dx, dy).",
     ),
     "look-behind": Cause(
@@ -85,6 +85,11 @@ STEERING = {
         "The robot looks much too far ahead.",
         "A squared distance is compared with `ahead` itself.",
         "Compare a distance with ahead, or its square with ahead**2.",
+    ),
+    "turn-sine": Cause(
+        "Where the robot looks the wrong way, it hardly turns.",
+        "It turns by the sine of the error, which is small again behind the robot.",
+        "Turn with gain · error; the error itself is brought back to -π to π.",
     ),
     "limited": Cause(
         "The robot turns or drives more slowly than it should where much is to be done.",

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
-from app.features.course.grader.case import Case, Checks, Hypothesis, Outcome, Sign
+from app.features.course.grader.case import Case, Checks, Hypothesis, Outcome, Sign, by_mistake
 from app.features.course.grader.drawing import draw_bars
 from app.features.course.grader.forms import array_of
 from app.features.course.grader.words import Words
@@ -111,22 +111,24 @@ def features(outcome: Outcome) -> Array:
 def expected(case: Case, mistakes: frozenset[str]) -> Array:
     """What a controller with mistakes commands."""
     pose, _, goal, _, _, delay = case.arguments
-    gain = next((rule(delay) for name, rule in GAINS.items() if name in mistakes), GAIN / delay)
     dx, dy = np.abs(goal[:2] - pose[:2]).tolist()
     nears = {"goal-x": dx, "goal-y": dy, "goal-square": max(dx, dy), "goal-sum": dx + dy}
-    nears |= {"all-square": max(dx, dy), "all-sum": dx + dy}
+    nears |= {"all-square": max(dx, dy), "all-sum": dx + dy, "all-x": dx, "all-y": dy}
     near = next((each for name, each in nears.items() if name in mistakes), math.hypot(dx, dy))
     arrived = near < THERE_M and "no-goal" not in mistakes
     own = 0.0 if "goal-heading-alone" in mistakes else pose[2]
     error = float(goal[2] - own) if arrived else _bearing(case, mistakes)
     part = "goal" if arrived else "way"
+    rules = {each: rule for name, rule in GAINS.items() for each in (name, f"{name}-{part}")}
+    gain = by_mistake(mistakes, {name: rule(delay) for name, rule in rules.items()}, GAIN / delay)
     if not mistakes & {"unwrapped", f"unwrapped-{part}"}:
         error = wrap_angle(error)
     if "degrees" in mistakes:
         error = math.degrees(error)
     if mistakes & {"sign", f"sign-{part}"}:
         error = -error
-    turn = math.degrees(error) if "degrees-turn" in mistakes else error
+    turns = {"degrees-turn": math.degrees(error), "sine-turn": math.sin(error)}
+    turn = by_mistake(mistakes, turns, error)
     if arrived and "heading-forgotten" in mistakes:
         turn = 0.0
     return np.array([_speed(case, error, arrived, mistakes), gain * turn])
@@ -181,6 +183,9 @@ def _distances(path: Array, pose: Array, mistakes: frozenset[str]) -> Array:
         return np.asarray(apart.sum(axis=1))
     if mistakes & {"path-square", "all-square"}:
         return np.asarray(apart.max(axis=1))
+    for axis, name in enumerate("xy"):
+        if mistakes & {f"path-{name}", f"all-{name}"}:
+            return np.asarray(apart[:, axis])
     return np.asarray(np.hypot(*apart.T))
 
 
@@ -263,6 +268,8 @@ CHECKS = Checks(
         Hypothesis("unwrapped-way", "E2"),
         Hypothesis("unwrapped-goal", "E2", kind="goal"),
         *(Hypothesis(name, "gain-delay", frozenset(GAINS)) for name in GAINS),
+        *(Hypothesis(f"{name}-way", "gain-delay", kind="way") for name in GAINS),
+        *(Hypothesis(f"{name}-goal", "gain-delay", kind="goal") for name in GAINS),
         Hypothesis("no-goal", "goal-heading", kind="goal"),
         Hypothesis("heading-forgotten", "goal-heading", kind="goal"),
         *(
@@ -270,8 +277,9 @@ CHECKS = Checks(
             for name in ("goal-x", "goal-y", "goal-square", "goal-sum")
         ),
         *(
-            Hypothesis(name, "distance")
-            for name in ("path-sum", "all-sum", "path-square", "all-square")
+            Hypothesis(f"{part}-{rule}", "distance")
+            for rule in ("sum", "square", "x", "y")
+            for part in ("path", "all")
         ),
         Hypothesis("goal-heading-alone", "own-heading", kind="goal"),
         Hypothesis("from-start", "look-behind", frozenset(TARGETS)),
@@ -294,6 +302,7 @@ CHECKS = Checks(
         Hypothesis("drives-on", "drives-on", kind="goal"),
         Hypothesis("degrees", "S4"),
         Hypothesis("degrees-turn", "S4"),
+        Hypothesis("sine-turn", "turn-sine"),
     ),
     signs=signs,
     show=show,

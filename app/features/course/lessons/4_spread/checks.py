@@ -53,7 +53,8 @@ SWAPS = tuple(ORDERS)
 LOST = tuple(f"alpha{part}-lost" for part in (1, 2, 3, 4))
 TURNS = ("first-twice", "second-twice", "turns-exchanged")
 PARTS = ("way", "rot1", "rot2")
-HALF_SQUARED = ("turns-unsquared", "turned-unsquared", "way-unsquared")
+WAYS_UNSQUARED = ("way-unsquared", "own-way-unsquared", "turned-way-unsquared")
+HALF_SQUARED = ("turns-unsquared", "turned-unsquared", *WAYS_UNSQUARED)
 SUMS = ("first-alone", "second-alone", "sum-squared", "unsquared", *HALF_SQUARED, *LOST, *TURNS)
 SIZES = frozenset(
     ["variance", "absolute", "no-noise", "uniform", "positive", "from-zero", *SWAPS, *SUMS]

@@ -176,16 +176,20 @@ def _chance(outcome: Outcome, draws: Sequence[Indices]) -> list[Sign]:
 def _survivors(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
     """Name survivors that have nothing to do with the weights, or not enough."""
     many = [item for item in outcomes if item.case.kind == "many"]
-    if many and all(np.abs(features(item) - 1).max() < LIKELY / DRAWS**0.5 for item in many):
-        yield Sign("weights-ignored", many[0])
-        return
     wrong: list[tuple[Outcome, bool]] = []
-    for outcome in outcomes:
-        drawn = np.concatenate([_drawn(answer, outcome.case) for answer in outcome.answers])
+    copies = [
+        np.concatenate([_drawn(answer, item.case) for answer in item.answers]) for item in outcomes
+    ]
+    invented = [item for item, each in zip(outcomes, copies, strict=True) if UNLIKE in each]
+    if invented:
+        yield Sign("invented", invented[0])
+        return  # how often each survives cannot be told
+    if many and (whole := _whole_cloud(many)):
+        yield whole
+        return
+    for outcome, drawn in zip(outcomes, copies, strict=True):
         weightless = (outcome.case.arguments[1][drawn] == 0).sum()
-        if (drawn == UNLIKE).any():
-            yield Sign("invented", outcome)
-        elif weightless and not outcome.answers[0].shared:
+        if weightless and not outcome.answers[0].shared:
             wrong.append((outcome, _beside(outcome, drawn) or _immortal(outcome, drawn)))
     asked = [item for item in outcomes if item.case.kind != "seeds"]
     unlike = [item for item in many if not _as_weighed(item)]
@@ -207,6 +211,21 @@ def _survivors(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
         # An index that is off by one is so always, but where it is cut off at an end.
         always = sum(item.case.kind == "sole" for item, _ in wrong) > 1
         yield Sign("R4" if beside else "line", wrong[0][0], weak=not (beside and always))
+
+
+def _whole_cloud(many: Sequence[Outcome]) -> Sign | None:
+    """Name draws in which all particles survive alike, or one alone, another one each time."""
+    if all(np.abs(features(item) - 1).max() < LIKELY / DRAWS**0.5 for item in many):
+        return Sign("weights-ignored", many[0], weak=True)
+    always_one = all((features(item) > 0).sum() == 1 for item in many)
+    if all(_is_one_alone(item) for item in many) and not always_one:
+        return Sign("one-survivor", many[0])
+    return None
+
+
+def _is_one_alone(outcome: Outcome) -> bool:
+    """Return whether all survivors of each draw are copies of one particle."""
+    return all(np.ptp(_drawn(each, outcome.case)) == 0 for each in outcome.answers)
 
 
 def _is_fixed(outcome: Outcome) -> bool:
@@ -305,7 +324,7 @@ CHECKS = Checks(
     expected=expected,
     hypotheses=(
         *(Hypothesis(name, "R4", ALL) for name in list(RULES)[:4]),
-        Hypothesis("equal", "weights-ignored", ALL),
+        Hypothesis("equal", "weights-ignored", ALL, broad=True),
         Hypothesis("best", "best-only", ALL),
         Hypothesis("squares", "weights-changed", ALL),
         Hypothesis("roots", "weights-changed", ALL),

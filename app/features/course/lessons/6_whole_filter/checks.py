@@ -38,6 +38,7 @@ FLAT, SHARP, LOW = np.full(4, -2.0), np.array([0.0, -6.0, -9.0, -5.0]), np.full(
 MILD = np.array([0.0, -0.7, -0.4, -0.9])
 LONE = np.array([0.0, -2000.0, -2001.0, -2005.0])
 HEAVY = np.array([0.91, 0.03, 0.03, 0.03])
+RARE, RARE_GOOD = np.array([0.7, 0.1, 0.12, 0.08]), np.array([-2.0, 0.0, -0.1, -0.2])
 GOOD, BAD = np.log([0.6, 0.25, 0.1, 0.05]), np.log([0.71, 0.2, 0.05, 0.04])
 MANY = np.full(10, 0.1)
 MANY_GOOD = np.log([0.33, 0.2, 0.1, 0.1, 0.07, 0.06, 0.05, 0.04, 0.03, 0.02])
@@ -61,6 +62,8 @@ MOVES = (
     ("survive", "It moved 50 mm; log-weights are about -900, one fits far better.", STEP, UNEVEN,
      LOW + SHARP),
     ("survive", "It moved 50 mm; one particle fits, the others not at all.", STEP, UNEVEN, LONE),
+    ("edge", "It moved 50 mm; the weights were uneven, and the scan makes up for it.", STEP, RARE,
+     RARE_GOOD),
     ("edge", "The effective sample size is 2.2 of 4.", STEP, EVEN, GOOD),
     ("edge", "The effective sample size is 1.8 of 4.", STEP, EVEN, BAD),
     ("edge", "The effective sample size is 5.5 of 10.", STEP, MANY, MANY_GOOD),
@@ -244,6 +247,7 @@ def _weighed(prior: Array, fits: Array, mistakes: frozenset[str]) -> Array:
         "log-added": prior + fits,
         "log-log": np.log(prior) + fits,
         "log-times": prior * fits,
+        "ratios-times": prior * ratios,
         "prior-squared": prior**2 * likely,
         "scan-twice": prior * likely**2,
         "worse-more": prior / likely,
@@ -338,9 +342,18 @@ def _areas(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
             yield Sign("standing", outcome, weak=True)
         elif given[-1] != due[-1]:
             yield Sign("threshold", outcome, weak=True)
+        elif given[-1]:
+            yield Sign("after-drawing", outcome, weak=True)
         else:
-            yield Sign("new-weights" if given[-1] == 0 else "after-drawing", outcome, weak=True)
+            shared = _as_shared(given[: len(weights)], due[: len(weights)])
+            yield Sign("not-normalized" if shared else "new-weights", outcome, weak=True)
         return
+
+
+def _as_shared(given: Array, due: Array) -> bool:
+    """Return whether weights are right but for their sum."""
+    with np.errstate(all="ignore"):
+        return bool(np.allclose(given / given.sum(), due, rtol=0, atol=1e-9))
 
 
 def show(case: Case, values: Array) -> str:
@@ -384,7 +397,9 @@ CHECKS = Checks(
         Hypothesis("log-times", "exponential"),
         *(
             Hypothesis(name, "exponential")
-            for name in ("exp-of-product", "exp-of-sum", "fits-alone", "ratios-alone")
+            for name in (
+                *("ratios-times", "exp-of-product", "exp-of-sum", "fits-alone", "ratios-alone"),
+            )
         ),
         Hypothesis("added", "added"),
         Hypothesis("not-kept", "S7"),

@@ -223,6 +223,7 @@ def _mean(poses: Array, weights: Array, mistakes: frozenset[str]) -> Array:
         "heading-all": float(np.angle(weights @ np.exp(1j * poses[:, 2]))),
     }
     place = best[:2] if "place-best" in mistakes else place
+    place = near @ poses[:, :2] / near.sum() if "place-even" in mistakes else place
     place = weights @ poses[:, :2] / weights.sum() if "place-all" in mistakes else place
     place = place[::-1] if "xy" in mistakes else place
     return np.array([*place, by_mistake(mistakes, headings, math.atan2(toward.imag, toward.real))])
@@ -337,7 +338,8 @@ def _areas(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
                 together = abs(features(outcome)[X_WITH_Y]) > ONE_LINE
                 yield Sign("diagonal" if together else "not-even", outcome, weak=True)
             else:
-                yield Sign("heading" if right[:2].all() else "place", outcome, weak=True)
+                area = "place" if right[2:].all() else "estimate"
+                yield Sign("heading" if right[:2].all() else area, outcome, weak=True)
             return
 
 
@@ -420,6 +422,7 @@ CHECKS = Checks(
         Hypothesis("heading-all", "part-of-all", kind="places"),
         Hypothesis("place-all", "part-of-all", kind="places"),
         Hypothesis("heading-even", "weights-ignored"),
+        Hypothesis("place-even", "weights-ignored"),
         Hypothesis("half-arctan", "half-arctan"),
     ),
     signs=signs,

@@ -249,7 +249,8 @@ def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
             )
     worse = [item for item in outcomes if item.case.kind == "worse"]
     shares = [features(item)[0] for item in worse]
-    if shares and set(shares) <= {0.0, 1.0} and any(shares):
+    all_or_none = bool(shares) and set(shares) <= {0.0, 1.0} and any(shares)
+    if all_or_none:
         yield Sign("all-new", worse[shares.index(1.0)])
     for item in worse:
         places = np.asarray(item.result)[:, 0]
@@ -260,11 +261,12 @@ def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
     wrong = [item for item in memories if not _remembers(item, REFERENCE)]
     if wrong:
         swapped = all(_remembers(item, frozenset(["rates-swapped"])) for item in memories)
-        yield Sign("rates" if swapped else "memory", wrong[0])
+        yield Sign("rates" if swapped else "memory", wrong[0], weak=not swapped)
         return
     fine = [item for item in memories if item.case.kind in ("steady", "better")]
     yield from (Sign("ratio", item) for item in fine if features(item)[0] > 0)
-    yield from _shares(worse)
+    if not all_or_none:  # each share is wrong by that alone
+        yield from _shares(worse)
 
 
 def _is_mixed(outcome: Outcome) -> bool:
@@ -276,11 +278,13 @@ def _is_mixed(outcome: Outcome) -> bool:
 
 def _shares(worse: Sequence[Outcome]) -> Iterator[Sign]:
     """Name shares of new particles that are not what is due, where nothing more is known."""
+    new = [round(features(item)[0] * COUNT) for item in worse]
+    if 1 in new and max(new) == 1:
+        yield Sign("one-replaced", worse[new.index(1)], weak=True)
+        return
     for item in worse:
         share, due = features(item)[0], expected(item.case, REFERENCE)[0]
-        if 0 < share * COUNT < 2 < due * COUNT:
-            yield Sign("one-replaced", item, weak=True)
-        elif abs(share - due) > LIKELY * math.sqrt(0.25 / COUNT):
+        if abs(share - due) > LIKELY * math.sqrt(0.25 / COUNT):
             yield Sign("ratio", item, weak=True)
 
 

@@ -155,7 +155,7 @@ CHECKS = Checks(
         Hypothesis("old-rest", "step-late"),
         Hypothesis("look-first", "look-first"),
         Hypothesis("seen-taken", "gain-fixed"),
-        Hypothesis("seen-ignored", "gain-fixed"),
+        Hypothesis("seen-ignored", "look-lost"),
         Hypothesis("seen-sure", "seen-sure"),
         Hypothesis("seen-sd", "rest"),
         Hypothesis("rest-of-seen", "rest"),

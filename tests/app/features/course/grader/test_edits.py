@@ -118,3 +118,52 @@ def test_a_copy_mends_two_names_for_one_array_and_can_be_asked_for_alone():
         exec(changed, names)
         given.append((edit.line, names["doubled"]([1, 2, 3])))
     assert (2, [1, 3, 5]) in given
+
+
+@pytest.mark.parametrize(
+    ("wrong", "right", "cause"),
+    [
+        ("a = a + b\nc = c * a\nd = d * a\n", "c = c * a\nd = d * a\na = a + b\n", "slip-order"),
+        ("a = a - b\nb = a + b\n", "(a, b) = (a - b, a + b)\n", "slip-order"),
+        (
+            "for a in b:\n    c = a\n    d = c\n    b = 1\n",
+            "c = a\nd = c\nfor a in b:\n    b = 1\n",
+            "slip-order",
+        ),
+        (
+            "for a in b:\n    c = a\n    return c\n",
+            "for a in b:\n    c = a\nreturn c\n",
+            "slip-order",
+        ),
+        ("if a:\n    c = a\n    return c\n", "if a:\n    c = a\nreturn c\n", "slip-order"),
+        ("if a:\n    b = a\nc = a\n", "if a:\n    b = a\n    c = a\n", "slip-order"),
+        (
+            "for a in b:\n    if a:\n        c = a\n",
+            "for a in b:\n    if a:\n        c = a\n        break\n",
+            "slip-break",
+        ),
+        ("return a * a < b\n", "return (a * a) ** 0.5 < b\n", "slip-missing"),
+        ("a = atan2(b, c)\n", "a = b / c\n", "slip-function"),
+        ("a = b.u0 / sin(c)\n", "a = b.u0 / sin(c + b.v0)\n", "slip-missing"),
+    ],
+)
+def test_each_way_to_mend_is_tried(wrong, right, cause):
+    head = "def task(a, b, c, d):\n"
+    source, due = (
+        head + "".join(f"    {line}\n" for line in text.splitlines()) for text in (wrong, right)
+    )
+    causes = [
+        edit.cause
+        for edit, changed in mended(source, ["task"])
+        if changed == ast.unparse(ast.parse(due))
+    ]
+    assert causes[:1] == [cause]
+
+
+def test_an_angle_is_brought_back_where_nothing_else_mends_it():
+    source = "def turn(angle):\n    angle = angle + 1\n    return angle\n"
+    tried = [edit for edit, _ in mended(source, ["turn"])]
+    brought_back = [place for place, edit in enumerate(tried) if edit.cause == "E2"]
+    operators = [place for place, edit in enumerate(tried) if edit.kind[0] == "operator"]
+    assert operators
+    assert brought_back[0] > operators[-1]

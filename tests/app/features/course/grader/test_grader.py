@@ -217,3 +217,42 @@ def test_a_variance_that_comes_late_is_not_one_that_is_missing(cause, changes):
     assert KALMAN.count(changes[0]) == 1
     (finding,) = grade(KALMAN.replace(*changes), "mine.py", lesson_of(9)).findings
     assert finding.cause == cause
+
+
+@pytest.mark.parametrize(
+    ("number", "changes", "cause"),
+    [
+        (
+            5,
+            ("return poses[drawn]", "return poses[drawn] + rng.normal(0, 0.01, (n, 3))"),
+            "invented",
+        ),
+        (
+            8,
+            ("rng.random(len(poses)) < share", "np.full(len(poses), rng.random() < share)"),
+            "all-new",
+        ),
+    ],
+)
+def test_what_follows_from_a_mistake_is_not_named_beside_it(number, changes, cause):
+    assert ARRAYS.count(changes[0]) == 1
+    findings = grade(ARRAYS.replace(*changes), "mine.py", lesson_of(number)).findings
+    assert [finding.cause for finding in findings] == [cause]
+
+
+def test_a_result_that_cannot_be_used_is_told_by_its_line_where_one_change_mends_it():
+    source = BASES["loops"].replace(
+        "    return weights\n\ndef motion", "        return weights\n\ndef motion"
+    )
+    assert source != BASES["loops"]
+    (finding,) = grade(source, "mine.py", lesson_of(3)).findings
+    lines = source.splitlines()
+    assert (finding.cause, lines[finding.line - 1]) == ("slip-order", "        return weights")
+    assert "(4,)" in finding.case.say(ENGLISH)
+
+
+def test_a_result_that_no_change_makes_usable_is_told_by_its_form():
+    source = "def resample(poses, weights, rng):\n    drawn = poses[0]\n"
+    (finding,) = grade(source, "mine.py", lesson_of(5)).findings
+    assert finding.cause == "form"
+    assert "None" in finding.case.say(ENGLISH)
