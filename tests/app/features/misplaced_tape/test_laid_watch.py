@@ -63,7 +63,7 @@ def test_a_robot_on_tape_laid_by_hand_keeps_its_place(name, condition, seed, wor
             errors.append(error)
             bounded.append(integrity.state in BOUNDED)
             misleading.append(bounded[-1] and error > integrity.radius)
-    assert named is not None and named < 12
+    assert named is not None and named < 15
     assert any(words in alert.text for alert in watch.alerts)
     assert np.quantile(errors, 0.95) < 0.02
     assert np.mean(bounded) > 0.8
