@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from app.features.misplaced_tape.place_watch import KnownPlace, PlaceWatch, Telling
+from app.features.misplaced_tape.watch import KnownPlace, PlaceWatch, Telling
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2
 from robot.localization.estimate import BOUNDED, Alert, Cause, Integrity, State
 from robot.localization.monitoring.monitor import Monitor
-from robot.localization.monitoring.mounting_check import LASER
 from robot.scan import Scan
 
 if TYPE_CHECKING:
@@ -61,8 +60,6 @@ class LaidWatch(PlaceWatch):
         self._edges = floor.edges
         self._tapes: LaidTapes | None = None
         self.memory = _Memory()
-        self.mounting = LASER
-        """Of what takes the scans."""
 
     @property
     def alerts(self) -> tuple[Alert, ...]:
@@ -134,12 +131,12 @@ class LaidWatch(PlaceWatch):
 
     def _begin(self) -> None:
         """Begin at the first place of the recent ones that was known; without one, wait."""
-        from robot.misplaced_tape.laid_search import LaidSearch, LaidTapes  # noqa: PLC0415 - rarely
-
         memory, recent = self.memory, list(self.memory.recent)
         first = next((n for n, each in enumerate(recent) if each.known is not None), None)
         if first is None:
             return
+        from robot.misplaced_tape.laid_search import LaidSearch, LaidTapes  # noqa: PLC0415 - rarely
+
         self._tapes = self._tapes or LaidTapes(self._edges)
         begun = recent[first].known
         if begun is None or not self._tapes.is_small:

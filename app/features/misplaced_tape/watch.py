@@ -1,23 +1,27 @@
-"""TapeWatch: clears scans of tape that is not where the drawing has it, and names it."""
+"""TapeWatch: clears scans of tape that is not where the drawing has it, and names it.
+
+It is one of two watches of tape, which go along with an engine alike; the other is ``laid_watch``.
+"""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from app.features.misplaced_tape.place_watch import (
-    KNOWN_SDS,
-    KnownPlace,
-    Outline,
-    PlaceWatch,
-    Telling,
-)
+from app.engine.added_models import AddedModels
+from app.engine.controls import Controls
+from app.messages.commands import Command
+from app.settings.config import Config
+from robot.covariance import widest
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2
-from robot.localization.estimate import BOUNDED, Alert, Cause, Integrity, State
+from robot.interface import Reading, Robot
+from robot.localization.estimate import BOUNDED, KNOWN, Alert, Cause, Integrity, State
+from robot.localization.monitoring.mounting_check import LASER, CameraPosition
 from robot.scan import Scan
 
 if TYPE_CHECKING:
@@ -27,6 +31,108 @@ if TYPE_CHECKING:
 
 DOUBT_S, LONGEST_S = 0.4, 40.0
 """A place that is in doubt for so long [s] begins the search, which then lasts for so long [s]."""
+MOST_EDGES = 600
+"""In drawings of more edges no single piece is looked for: it would take too long."""
+KNOWN_SDS = (0.005, 0.005, 0.01)
+"""What a place may be off that is certain or followed, besides its covariance [m, m, rad]."""
+BOUND_SDS = 3.5
+"""A bound that holds in 99.9 % is about so many standard deviations of a place or a heading."""
+AWAY_M, AWAY_S = 0.04, 0.5
+"""The filter is told the place if it knows none, or one that is farther away than this [m], for so
+long [s]."""
+TOLD_S = 3.0
+"""It is told at most once in so many seconds."""
+SURE_M = 0.03
+"""It is told only a place that is known so well [m], one standard deviation."""
+
+Outline = tuple[tuple[float, float, float, float], ...]
+"""Edges of a piece of tape: x and y of both ends of each [m]."""
+
+
+class KnownPlace(NamedTuple):
+    """A place that was known."""
+
+    pose: Pose2
+    covariance: Array
+    odometry: Pose2
+
+    @classmethod
+    def claimed(
+        cls, claim: Integrity, pose: Pose2, covariance: Array, odometry: Pose2
+    ) -> KnownPlace:
+        """Return a place that may be off by as much as is claimed, or by more."""
+        along, turn = claim.radius / BOUND_SDS, claim.heading_bound / BOUND_SDS
+        return cls(pose, covariance + np.diag(np.square([along, along, turn])), odometry)
+
+
+@dataclass(slots=True)
+class Telling:
+    """When the filter is told a place."""
+
+    agreed_at: float = -math.inf
+    """When the filter last knew the same place."""
+    told_at: float = -math.inf
+
+    def place(
+        self,
+        stamp: float,
+        followed: tuple[Pose2, Array],
+        state: State,
+        pose: Pose2 | None,
+    ) -> tuple[Pose2, Array] | None:
+        """Return a place that is followed, with its covariance; None if the filter knows it.
+
+        Args:
+            stamp: of the newest scan [s].
+            followed: the place, and its covariance (3, 3) [m, m, rad].
+            state: what is claimed of the filter's place.
+            pose: this place; None without one.
+        """
+        place, covariance = followed
+        covariance = covariance + np.diag(np.square(KNOWN_SDS))
+        sure = widest(covariance) < SURE_M
+        if not sure or (state in KNOWN and pose and pose.distance_to(place) < AWAY_M):
+            self.agreed_at = stamp
+        if stamp < max(self.agreed_at + AWAY_S, self.told_at + TOLD_S):
+            return None
+        self.told_at = stamp
+        return place, covariance
+
+
+class PlaceWatch(AddedModels):
+    """Offers no model: it looks at the scans that the program's own ones get, and clears them."""
+
+    mounting: CameraPosition = LASER
+    """Of what takes the scans."""
+
+    @property
+    def outline(self) -> Outline | None:
+        """Where the drawing has tape that does not lie there; None if all does."""
+        return None
+
+    def look(self, claim: Integrity, pose: Pose2, covariance: Array, odometry: Pose2) -> None:
+        """Look whether the place is known that the newest scan has led to.
+
+        Args:
+            claim: what is claimed of it.
+            pose: the likeliest place.
+            covariance: its covariance (3, 3) [m, m, rad].
+            odometry: at the scan's stamp.
+        """
+
+    def place(
+        self, state: State, pose: Pose2 | None, odometry: Pose2
+    ) -> tuple[Pose2, Array] | None:
+        """Return where the filter shall look for the robot, with a covariance; None if it knows.
+
+        Args:
+            state: what is claimed of the filter's place.
+            pose: this place at ``odometry``; None without one.
+            odometry: now.
+        """
+
+    def forget(self) -> None:
+        """Forget where the robot was: somebody has said where it is, or that nobody knows."""
 
 
 @dataclass(slots=True, eq=False)
@@ -139,6 +245,71 @@ class TapeWatch(PlaceWatch):
             memory.finding = memory.without = None
         elif without.is_lost:
             memory.without = None
+
+
+def tape_watches(config: Config, floor: Field) -> Sequence[PlaceWatch]:
+    """Return what watches the tape of an engine's field; nothing if it is of walls."""
+    from app.features.misplaced_tape.laid_watch import LaidWatch  # noqa: PLC0415 - it is one, too
+
+    if not floor.tape or floor.grid is not None:
+        return []
+    # A piece that lies elsewhere does so besides what all tape does.
+    pieces = [TapeWatch(floor)] if len(floor.edges) <= MOST_EDGES else []
+    return [LaidWatch(floor), *pieces]
+
+
+class TapeCompanion:
+    """Shows the watches what the filter made of each scan, and tells the filter a place."""
+
+    needs_pictures = False
+
+    def __init__(self) -> None:
+        self.shown: Outline | None = None
+        """Where the drawing has tape that does not lie there."""
+        self._map_from_odom = Pose2()
+        """Where somebody has put the robot, and that was told."""
+        self._newest: tuple[Scan, Pose2] | None = None
+
+    def commands(self, odom_from_robot: Pose2, controls: Controls) -> Iterable[Command]:
+        """Give no commands: a replay finds the same place by itself."""
+        return ()
+
+    def add(self, reading: Reading, controls: Controls) -> None:
+        """Show them what the filter made of the newest scan."""
+        localization = controls.localization
+        newest, belief = localization.newest, localization.belief
+        if newest is self._newest or newest is None or belief is None:
+            return
+        self._newest, odometry = newest, newest[1]
+        if localization.paused:
+            return
+        claim, estimate = localization.integrity, belief.estimate
+        self.shown = None
+        for models in localization.added:
+            if not isinstance(models, PlaceWatch):
+                continue
+            if controls.map_from_odom != self._map_from_odom:
+                models.forget()
+            self.shown = models.outline or self.shown
+            best = max(estimate.hypotheses, key=lambda each: each.weight, default=None)
+            models.mounting = CameraPosition.of(localization.scanner.view)
+            if best is not None:
+                pose = best.pose @ belief.moved(odometry)
+                models.look(claim, pose, best.covariance, odometry)
+            present = controls.odometry.at(reading.stamp).odom_from_robot
+            place = models.place(claim.state, belief.pose(present), present)
+            if place is not None:
+                localization.note(present)
+                localization.set_pose(*place)
+        self._map_from_odom = controls.map_from_odom
+
+    def close(self) -> None:
+        """Do nothing: there is no thread."""
+
+
+def tape_companion(config: Config, robot: Robot, field: Field) -> Iterable[TapeCompanion]:
+    """Return what goes along with an engine."""
+    return (TapeCompanion(),)
 
 
 def _alert(finding: Misplaced, drawing: TapeDrawing) -> Alert:
