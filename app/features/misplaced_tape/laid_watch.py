@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from app.features.misplaced_tape.watch import KnownPlace, PlaceWatch, Telling
+from app.features.misplaced_tape.watch import KnownPlace, PlaceWatch, TapeWatch, Telling
+from app.settings.config import Config
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2
 from robot.localization.estimate import BOUNDED, Alert, Cause, Integrity, State
@@ -19,6 +21,8 @@ if TYPE_CHECKING:
     from robot.misplaced_tape.as_laid import AsLaid, Laid
     from robot.misplaced_tape.laid_search import LaidSearch, LaidTapes
 
+MOST_EDGES = 600
+"""In drawings of more edges no single piece is looked for: it would take too long."""
 RECENT = 15
 """So many scans before a place came into doubt are looked at again."""
 
@@ -157,6 +161,15 @@ class LaidWatch(PlaceWatch):
             memory.recent.clear()
         elif search.failed:
             memory.search = None
+
+
+def tape_watches(config: Config, floor: Field) -> Sequence[PlaceWatch]:
+    """Return what watches the tape of an engine's field; nothing if it is of walls."""
+    if not floor.tape or floor.grid is not None:
+        return []
+    # A piece that lies elsewhere does so besides what all tape does.
+    pieces = [TapeWatch(floor)] if len(floor.edges) <= MOST_EDGES else []
+    return [LaidWatch(floor), *pieces]
 
 
 def _alert(laid: Laid) -> Alert:

@@ -6,7 +6,7 @@ It is one of two watches of tape, which go along with an engine alike; the other
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -31,8 +31,6 @@ if TYPE_CHECKING:
 
 DOUBT_S, LONGEST_S = 0.4, 40.0
 """A place that is in doubt for so long [s] begins the search, which then lasts for so long [s]."""
-MOST_EDGES = 600
-"""In drawings of more edges no single piece is looked for: it would take too long."""
 KNOWN_SDS = (0.005, 0.005, 0.01)
 """What a place may be off that is certain or followed, besides its covariance [m, m, rad]."""
 BOUND_SDS = 3.5
@@ -245,17 +243,6 @@ class TapeWatch(PlaceWatch):
             memory.finding = memory.without = None
         elif without.is_lost:
             memory.without = None
-
-
-def tape_watches(config: Config, floor: Field) -> Sequence[PlaceWatch]:
-    """Return what watches the tape of an engine's field; nothing if it is of walls."""
-    from app.features.misplaced_tape.laid_watch import LaidWatch  # noqa: PLC0415 - it is one, too
-
-    if not floor.tape or floor.grid is not None:
-        return []
-    # A piece that lies elsewhere does so besides what all tape does.
-    pieces = [TapeWatch(floor)] if len(floor.edges) <= MOST_EDGES else []
-    return [LaidWatch(floor), *pieces]
 
 
 class TapeCompanion:

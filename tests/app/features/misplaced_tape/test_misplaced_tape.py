@@ -13,8 +13,9 @@ import pytest
 from app.features.lab.evaluation.drives import follow_drive
 from app.features.lab.evaluation.integrity.drives import lap_drive
 from app.features.lab.evaluation.integrity.mishaps import MISHAPS
+from app.features.misplaced_tape.laid_watch import tape_watches
 from app.features.misplaced_tape.outlet import MisplacedTapeOutlet
-from app.features.misplaced_tape.watch import TapeWatch, tape_watches
+from app.features.misplaced_tape.watch import TapeWatch
 from app.settings.config import MAPS, Config
 from robot.fields.field_loading import load_field
 from robot.localization.estimate import BOUNDED, Cause, Integrity, State
