@@ -11,6 +11,7 @@ import numpy as np
 
 from app.features.misplaced_tape.watch import KnownPlace, PlaceWatch, TapeWatch, Telling
 from app.settings.config import Config
+from robot.fields.edges import lengths
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2
 from robot.localization.estimate import BOUNDED, Alert, Cause, Integrity, State
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
 
 MOST_EDGES = 600
 """In drawings of more edges no single piece is looked for: it would take too long."""
+MOST_TAPE = 60.0
+"""In drawings with longer edges [m] it is not learnt how tape lies: it would take too long."""
 RECENT = 15
 """So many scans before a place came into doubt are looked at again."""
 
@@ -86,7 +89,7 @@ class LaidWatch(PlaceWatch):
     def cleared(self, scan: Scan, odometry: Pose2) -> Scan:
         """Return a scan as it would be if the tape lay as drawn."""
         memory = self.memory
-        memory.newest = scan
+        memory.newest, memory.is_new = scan, False
         if memory.laid is None or not memory.follows:
             return scan
         memory.is_new = not memory.corrects
@@ -169,7 +172,8 @@ def tape_watches(config: Config, floor: Field) -> Sequence[PlaceWatch]:
         return []
     # A piece that lies elsewhere does so besides what all tape does.
     pieces = [TapeWatch(floor)] if len(floor.edges) <= MOST_EDGES else []
-    return [LaidWatch(floor), *pieces]
+    laid = [LaidWatch(floor)] if lengths(floor.edges).sum() <= MOST_TAPE else []
+    return [*laid, *pieces]
 
 
 def _alert(laid: Laid) -> Alert:

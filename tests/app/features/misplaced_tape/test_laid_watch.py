@@ -12,7 +12,7 @@ from app.features.lab.evaluation.drives import follow_drive
 from app.features.lab.evaluation.integrity.claims import entries_over
 from app.features.lab.evaluation.integrity.drives import lap_drive
 from app.features.lab.evaluation.integrity.mishaps import MISHAPS, apply_any_condition
-from app.features.misplaced_tape.laid_watch import LaidWatch
+from app.features.misplaced_tape.laid_watch import LaidWatch, tape_watches
 from app.settings.config import MAPS, Config
 from robot.fields.field_loading import load_field
 from robot.geometry import Pose2
@@ -98,3 +98,18 @@ def test_nothing_is_searched_before_a_place_was_known():
         watch.look(Integrity(State.SEARCHING), Pose2(), KNOWN, Pose2())
     assert watch.memory.search is None
     assert watch.alerts == () and not watch.unsure.any()
+
+
+def test_drawings_of_very_much_tape_are_taken_as_they_are():
+    field = load_field("town", MAPS)
+    assert any(isinstance(each, LaidWatch) for each in tape_watches(Config(), field))
+    larger = replace(field, edges=np.tile(field.edges, (20, 1)))
+    assert not tape_watches(Config(), larger)
+
+
+def test_what_was_learnt_of_the_robot_is_forgotten_once():
+    """It was forgotten with each scan, if the place was lost right after the first correction."""
+    watch = LaidWatch(load_field("square", MAPS))
+    watch.memory.is_new = True
+    watch.cleared(scan_at(0.0), Pose2())
+    assert not watch.memory.is_new
