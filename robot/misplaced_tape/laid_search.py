@@ -44,11 +44,6 @@ class LaidTapes:
         self.laid = LaidTape(edges)
         """Each place off by itself, too."""
 
-    @property
-    def is_small(self) -> bool:
-        """Whether a robot can be followed by each of them in time."""
-        return self.laid.is_small
-
 
 class LaidSearch:
     """Looks for it from a known place on; scan by scan, for one thread."""

@@ -23,8 +23,6 @@ APART, STEP = 0.15, 0.03
 """Centres are no nearer to each other than this [m]; they are chosen of points so far apart."""
 ALIKE = 0.25
 """Places so far apart are off alike by exp(-1/2) [m]."""
-MOST_CENTRES = 150
-"""Drawings of more tape are taken as they are: following it would take too long."""
 JITTER = 1e-4
 """Of the centres' variance, for its inverse."""
 
@@ -65,11 +63,6 @@ class LaidTape:
         self._information = np.linalg.pinv(self.prior, hermitian=True)
         self.drawn = index_edges(parts)
         """The parts where they are drawn."""
-
-    @property
-    def is_small(self) -> bool:
-        """Whether it can be followed in time."""
-        return len(self.centres) <= MOST_CENTRES
 
     def laid(self, offsets: Array) -> Array:
         """Return the parts (m, 4) [m] as they lie with these offsets."""

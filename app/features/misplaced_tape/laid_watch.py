@@ -146,8 +146,7 @@ class LaidWatch(PlaceWatch):
 
         self._tapes = self._tapes or LaidTapes(self._edges)
         begun = recent[first].known
-        if begun is None or not self._tapes.is_small:
-            return
+        assert begun is not None
         memory.search = LaidSearch(self._tapes, self.mounting, *begun)
         for each in recent[first + 1 :]:
             if memory.search is not None:
