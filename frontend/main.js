@@ -35,6 +35,7 @@ import { TopBar } from "./page/top_bar.js";
 import { History } from "./plots/history.js";
 import { PlotsPanel } from "./plots/panel.js";
 import { View3d } from "./view3d/panel.js";
+import { Pointing } from "./view3d/pointing.js";
 import { Connection } from "./wire/connection.js";
 import { RunsTable } from "./features/run_table/table.js";
 import { ReplayBar } from "./features/recordings/replay/bar.js";
@@ -102,6 +103,7 @@ const view3d = new View3d(appearance, order, (target) => {
   target.addEventListener("pointerdown", dismissByPress, true);
   target.addEventListener("keydown", (event) => layout.escape(event));
 });
+new Pointing(loop, map, view3d);
 for (const title of document.querySelectorAll("main > [data-script] h2")) {
   title.textContent = translated(title.textContent ?? "");
 }

@@ -1751,6 +1751,15 @@ export interface UseFieldCommand {
   name: string;
 }
 
+/** The camera of a page's 3D view, in the map. */
+export interface ViewCameraMessage {
+  position: [number, number, number];
+  /** How it is turned: its x points right, its y down, and its z ahead. */
+  wxyz: [number, number, number, number];
+  /** The angle that it sees from top to bottom [rad]. */
+  fov: number;
+}
+
 /** What the robot does not touch on its way to goals, besides shapes on the floor. */
 export interface WallsMessage {
   /** Whether it may cross tape. */

@@ -94,6 +94,16 @@ class FieldMessage(Message):
     """Names of the features that take part; the page hides what belongs to others."""
 
 
+class ViewCameraMessage(Message):
+    """The camera of a page's 3D view, in the map."""
+
+    position: tuple[float, float, float]
+    wxyz: tuple[float, float, float, float]
+    """How it is turned: its x points right, its y down, and its z ahead."""
+    fov: float
+    """The angle that it sees from top to bottom [rad]."""
+
+
 class ParameterMessage(Message):
     """One parameter of the filter, with its meaning."""
 

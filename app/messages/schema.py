@@ -15,6 +15,7 @@ from app.messages.answers import (
     LanguageMessage,
     ParameterMessage,
     ProblemsMessage,
+    ViewCameraMessage,
 )
 from app.messages.commands import AckMessage, ErrorMessage
 from app.messages.message import Message
@@ -22,7 +23,7 @@ from app.messages.telemetry import PictureMessage, TelemetryMessage
 
 MESSAGES: tuple[type[Message], ...] = (
     TelemetryMessage, PictureMessage, AckMessage, ErrorMessage, AccessMessage, HealthMessage,
-    FieldMessage, ParameterMessage, ProblemsMessage, LanguageMessage,
+    FieldMessage, ParameterMessage, ProblemsMessage, LanguageMessage, ViewCameraMessage,
 )  # fmt: skip
 """What the core sends."""
 

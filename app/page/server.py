@@ -12,7 +12,7 @@ from fastapi.responses import JSONResponse
 from app.engine.engine_thread import EngineThread
 from app.engine.program import Program
 from app.engine.rest import Audience
-from app.messages.answers import content, refusal
+from app.messages.answers import ViewCameraMessage, content, refusal
 from app.page.application import new_application
 from app.page.camera_stream import STREAM, CameraStream
 from app.page.field import field_router
@@ -82,18 +82,16 @@ def _add_streams(app: FastAPI, view: View, camera: CameraStream, audience: Audie
         await camera.serve(socket)
 
     @app.get("/view/", include_in_schema=False)
+    @app.get("/view/{page}/", include_in_schema=False)
     def view_page(request: Request) -> Response:
         return view.page(request)
 
-    @app.get("/view/{page}/", include_in_schema=False)
-    def view_page_of(page: str, request: Request) -> Response:
-        return view.page(request)
-
-    @app.post("/api/view/{page}/{look}", status_code=204, responses=refusal(404, "no such viewer"))
-    def look_at_view(page: str, look: Look) -> None:
-        """Move the camera of a page's 3D view: home, above the field, or behind the robot."""
-        if not view.cameras.look(page, look):
+    @app.post("/api/view/{page}/{look}", responses=refusal(404, "no such viewer"))
+    def look_at_view(page: str, look: Look) -> ViewCameraMessage:
+        """Move the camera of a page's 3D view: home, above the field, behind the robot, or not."""
+        if (camera := view.cameras.look(page, look)) is None:
             raise HTTPException(404, "The 3D view is not there yet.")
+        return camera
 
     @app.websocket("/view")
     @app.websocket("/view/{page}")

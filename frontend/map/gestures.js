@@ -6,9 +6,10 @@
  * @typedef {object} Press how a tool handles one pointer; positions are in the map [m]
  * @property {(x: number, y: number) => boolean} wants whether the tool takes a press there; otherwise it moves the view
  * @property {(x: number, y: number) => void} press
- * @property {(x: number, y: number) => void} drag
+ * @property {(x: number, y: number, way?: number) => void} drag `way`: of the pointer since the press, if that is not on the map [CSS px]
  * @property {() => void} release
  * @property {() => void} cancel
+ * @property {[number, number][] | null} [corners] of what it draws; a tool that has them can be used in the 3D view, too
  */
 
 const WHEEL_STEP = 0.0015;

@@ -58,6 +58,8 @@ export class MapPanel {
   #waits = false;
   /** The area that is shown until then. */
   #area = "";
+  /** Told of each choice of a tool. @type {(words: string) => void} */
+  #chosen = () => {};
 
   /**
    * @param {DrawLoop} loop
@@ -174,6 +176,36 @@ export class MapPanel {
     return [box.left + u, box.top + v];
   }
 
+  /**
+   * Tell of each choice of a tool for poses, which can be used elsewhere, too.
+   * @param {(words: string) => void} told gets what to do with it; "" for a tool of the map only
+   */
+  onChosen(told) {
+    this.#chosen = told;
+  }
+
+  /** The tool for a press on the floor that is not on the map. @param {number} x [m] @param {number} y [m] */
+  toolFor(x, y) {
+    const tools = this.gestures.tools.filter((tool) => tool === this.tool || "corners" in tool);
+    return tools.find((tool) => tool.wants(x, y)) ?? null;
+  }
+
+  /** Lay the tool down. */
+  layDown() {
+    this.#choose("look");
+  }
+
+  /** The pose that is pointed out, with its spread [m] if it will be sent to the filter. */
+  get draft() {
+    const pose = this.tool.draft;
+    return pose && { pose, spread: this.tool.tool === "set_pose" ? this.numbers.sdXy : null };
+  }
+
+  /** The robot's outline on the floor [m], in the robot frame. */
+  get outline() {
+    return this.#field?.robot_outline ?? [];
+  }
+
   #wire() {
     for (const button of this.#tools) {
       button.onclick = ({ detail }) => {
@@ -232,6 +264,7 @@ export class MapPanel {
     // Else the arrows drive.
     this.surface.canvas.toggleAttribute("data-own-arrows", tool === "measure");
     setText(this.#hint, HINTS[tool]);
+    this.#chosen(this.tool.wants() ? HINTS[tool] : "");
     this.refresh();
   }
 
@@ -281,9 +314,7 @@ export class MapPanel {
 
   #paint() {
     setText(this.#measured, this.measure.words);
-    const pose = this.tool.draft;
-    const spread = this.tool.tool === "set_pose" ? this.numbers.sdXy : null;
-    this.scene.paint(pose && { pose, spread });
+    this.scene.paint(this.draft);
   }
 }
 

@@ -35,11 +35,14 @@ export class PoseTool {
     this.draft = { x, y, theta: this.heading() };
   }
 
-  /** @param {number} x @param {number} y */
-  drag(x, y) {
+  /**
+   * @param {number} x @param {number} y
+   * @param {number} [way] of the pointer [CSS px], where that is not the map's
+   */
+  drag(x, y, way) {
     if (!this.draft) return;
     const [dx, dy] = [x - this.draft.x, y - this.draft.y];
-    const far = Math.hypot(dx, dy) * this.scale() >= SHORTEST;
+    const far = (way ?? Math.hypot(dx, dy) * this.scale()) >= SHORTEST;
     this.aimed = far;
     this.draft = { ...this.draft, theta: far ? Math.atan2(dy, dx) : this.draft.theta };
   }

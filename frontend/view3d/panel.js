@@ -1,6 +1,7 @@
 // @ts-check
 import { t } from "../page/language.js";
 import { find, make, setText } from "../page/elements.js";
+import { sendJson } from "../wire/http.js";
 import { calm, findWebGl } from "./webgl.js";
 
 /** @typedef {import("../messages").Command} Command */
@@ -8,6 +9,7 @@ import { calm, findWebGl } from "./webgl.js";
 /** @typedef {import("../messages").TelemetryMessage} TelemetryMessage */
 /** @typedef {import("../page/theme.js").Appearance} Appearance */
 /** @typedef {import("../messages").ShowCommand["layer"]} Layer */
+/** @typedef {import("../messages").ViewCameraMessage} ViewCameraMessage */
 
 /** Names this page's viewer, so that its camera can be moved. */
 const PAGE = Math.random().toString(36).slice(2, 12);
@@ -22,6 +24,7 @@ const QUIET =
 export class View3d {
   #box = find("view-stage", HTMLElement);
   #message = find("view-message", HTMLElement);
+  #say = find("view-say", HTMLElement);
   #buttons = [...document.querySelectorAll("button[data-layer]")].map(
     (button) => /** @type {HTMLButtonElement} */ (button),
   );
@@ -77,6 +80,29 @@ export class View3d {
       const layer = /** @type {Layer} */ (button.dataset.layer);
       button.setAttribute("aria-pressed", String(!hidden.includes(layer)));
     }
+  }
+
+  /** Tell what to do in the scene. @param {string} words */
+  say(words) {
+    setText(this.#say, words);
+  }
+
+  /** Keep this page's camera where it is. @returns {Promise<ViewCameraMessage>} */
+  hold() {
+    return sendJson(`api/view/${PAGE}/free`, "POST", {});
+  }
+
+  /** Let the camera go with the robot again, if it did. */
+  letGo() {
+    const follow = this.#looks.find((button) => button.dataset.look === "follow");
+    if (follow?.getAttribute("aria-pressed") === "true") fetch(`api/view/${PAGE}/follow`, { method: "POST" });
+  }
+
+  /** Let the scene have a turn of the wheel that came elsewhere. @param {WheelEvent} event */
+  zoom(event) {
+    const { left = 0, top = 0 } = this.#frame?.getBoundingClientRect() ?? {};
+    const below = this.#frame?.contentDocument?.elementFromPoint(event.clientX - left, event.clientY - top);
+    below?.dispatchEvent(new WheelEvent("wheel", event));
   }
 
   #load() {

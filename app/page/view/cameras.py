@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import math
 from contextvars import ContextVar
-from typing import Literal, get_args
+from typing import Literal
 
 import numpy as np
 import viser
 
+from app.messages.answers import ViewCameraMessage
 from robot.fields.floor_picture import Extent
 from robot.geometry import Array, Pose2
 
 Look = Literal["home", "top", "follow", "free"]
 """How a viewer looks: ``free`` leaves the camera where it is."""
-LOOKS: tuple[Look, ...] = get_args(Look)
 
 PAGE: ContextVar[str] = ContextVar("page", default="")
 """The page whose viewer connects; viser tells its viewers apart by numbers of its own."""
@@ -50,11 +50,10 @@ class Cameras:
         if self._clients.get(page) == connection.client_id:
             del self._clients[page]
 
-    def look(self, page: str, look: Look) -> bool:
-        """Let a page's viewer look so; return whether there is such a viewer."""
-        client = self._client(page)
-        if client is None:
-            return False
+    def look(self, page: str, look: Look) -> ViewCameraMessage | None:
+        """Let a page's viewer look so; return its camera, or None if there is no such viewer."""
+        if (client := self._client(page)) is None:
+            return None
         self._followers.discard(page)
         if look == "follow":
             self._followers.add(page)
@@ -65,17 +64,18 @@ class Cameras:
             # A little from the south: exactly above, up is nowhere.
             above = self._centre + np.array([0.0, -0.001, 1.1 * height])
             self._move(client, above, self._centre)
-        return True
+        seen = client.camera._state  # of one moment
+        return ViewCameraMessage(position=tuple(seen.position), wxyz=tuple(seen.wxyz), fov=seen.fov)
 
     def follow(self, robot: Pose2) -> None:
         """Move the cameras that follow the robot."""
+        place = np.array([robot.x, robot.y, 0.0])
+        behind = np.append(robot.apply(BEHIND[None, :2]), BEHIND[2])
         for page in tuple(self._followers):
-            client = self._client(page)
-            if client is None:
+            if client := self._client(page):
+                self._move(client, behind, place)
+            else:
                 self._followers.discard(page)
-                continue
-            place = np.array([robot.x, robot.y, 0.0])
-            self._move(client, place + _turned(BEHIND, robot.theta), place)
 
     def _client(self, page: str) -> viser.ClientHandle | None:
         return self._server.get_clients().get(self._clients.get(page, -1))
@@ -96,8 +96,3 @@ def _middle(extent: Extent) -> tuple[Array, float]:
     """Return the centre of a field (3,) and its longer side [m]."""
     xmin, ymin, xmax, ymax = extent
     return np.array([(xmin + xmax) / 2, (ymin + ymax) / 2, 0.0]), max(xmax - xmin, ymax - ymin)
-
-
-def _turned(offset: Array, theta: float) -> Array:
-    x, y = Pose2(theta=theta).apply(offset[None, :2])[0]
-    return np.array([x, y, offset[2]])
