@@ -47,7 +47,7 @@ export class MapPanel {
   #doubts = new Doubts(find("map-doubts", HTMLElement));
   #text = find("map-text", HTMLElement);
   #measured = find("map-measured", HTMLElement);
-  #tools = [...document.querySelectorAll("button[data-tool]")].map(
+  #tools = [...document.querySelectorAll("button[data-tool], button[data-scene-tool]")].map(
     (button) => /** @type {HTMLButtonElement} */ (button),
   );
   /** @type {FieldMessage | null} */
@@ -159,7 +159,7 @@ export class MapPanel {
     setText(this.#text, `${whereabouts(telemetry)} ${words}`);
     const { can_be_placed } = telemetry.robot;
     for (const button of this.#tools) {
-      if (button.dataset.tool === "place") button.hidden = !can_be_placed;
+      if (toolOf(button) === "place") button.hidden = !can_be_placed;
     }
     this.numbers.allowPlacing(can_be_placed);
   }
@@ -209,7 +209,7 @@ export class MapPanel {
   #wire() {
     for (const button of this.#tools) {
       button.onclick = ({ detail }) => {
-        const tool = /** @type {Tool} */ (button.dataset.tool);
+        const tool = toolOf(button);
         // Pressed once more, a tool is laid down.
         this.#choose(tool === this.tool.tool ? "look" : tool);
         // Who chose it by keys goes on by keys.
@@ -258,7 +258,7 @@ export class MapPanel {
     if (tool === "goal") this.planning().then((planning) => planning.arm(this.tool.tool === tool));
     else this.journey.planning?.arm(false);
     for (const button of this.#tools) {
-      button.setAttribute("aria-pressed", String(button.dataset.tool === tool));
+      button.setAttribute("aria-pressed", String(toolOf(button) === tool));
     }
     this.surface.canvas.dataset.tool = tool;
     // Else the arrows drive.
@@ -317,6 +317,9 @@ export class MapPanel {
     this.scene.paint(this.draft);
   }
 }
+
+/** @param {HTMLElement} button of the map, or of the scene in 3D */
+const toolOf = ({ dataset: { tool, sceneTool } }) => /** @type {Tool} */ (tool ?? sceneTool);
 
 /** @param {TelemetryMessage} telemetry */
 function whereabouts({ truth, estimate }) {

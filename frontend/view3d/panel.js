@@ -93,9 +93,11 @@ export class View3d {
   }
 
   /** Let the camera go with the robot again, if it did. */
-  letGo() {
+  async letGo() {
     const follow = this.#looks.find((button) => button.dataset.look === "follow");
-    if (follow?.getAttribute("aria-pressed") === "true") fetch(`api/view/${PAGE}/follow`, { method: "POST" });
+    if (follow?.getAttribute("aria-pressed") !== "true") return;
+    const answer = await fetch(`api/view/${PAGE}/follow`, { method: "POST" }).catch(() => null);
+    if (!answer?.ok) follow.setAttribute("aria-pressed", "false");
   }
 
   /** Let the scene have a turn of the wheel that came elsewhere. @param {WheelEvent} event */

@@ -71,27 +71,23 @@ export class Pointing {
 
   /** Press a tool, as soon as it is known what the viewer sees. @param {Held} held */
   async #press(held) {
-    let words = this.#words;
-    try {
-      const camera = await this.view.hold();
-      if (this.#held !== held) return;
-      const floor = new FloorView(camera, this.#surface.width, this.#surface.height);
-      const place = floor.toFloor(held.start);
-      const tool = place && this.map.toolFor(...place);
-      if (place && tool) {
-        held.pressed = { tool, floor, place };
-        tool.press(...place);
-        this.#drag(held);
-        if (held.released) this.#release(held);
-        return;
-      }
-      words = t("There is no floor: press below the horizon.");
-    } catch (error) {
-      words = sentence(error);
+    const camera = await this.view.hold().catch(sentence);
+    // Somebody may have taken the press back meanwhile.
+    if (this.#held !== held) return void this.view.letGo();
+    const { width, height } = this.#surface;
+    const floor = typeof camera === "string" ? null : new FloorView(camera, width, height);
+    const place = floor?.toFloor(held.start);
+    const tool = place && this.map.toolFor(...place);
+    if (!floor || !place || !tool) {
+      this.#abandon();
+      const words = t("There is no floor: press below the horizon.");
+      return void this.view.say(typeof camera === "string" ? camera : words);
     }
-    if (this.#held !== held) return;
-    this.#abandon();
-    this.view.say(words);
+    held.pressed = { tool, floor, place };
+    this.view.say(this.#words);
+    tool.press(...place);
+    this.#drag(held);
+    if (held.released) this.#release(held);
   }
 
   /** @param {PointerEvent} event */
@@ -124,7 +120,6 @@ export class Pointing {
   #release({ pressed }) {
     this.#held = null;
     this.view.letGo();
-    this.view.say(this.#words);
     pressed?.tool.release();
     this.#show();
   }
