@@ -64,7 +64,7 @@ class Cameras:
             # A little from the south: exactly above, up is nowhere.
             above = self._centre + np.array([0.0, -0.001, 1.1 * height])
             self._move(client, above, self._centre)
-        seen = client.camera._state  # of one moment
+        seen = client.camera
         return ViewCameraMessage(position=tuple(seen.position), wxyz=tuple(seen.wxyz), fov=seen.fov)
 
     def follow(self, robot: Pose2) -> None:
