@@ -102,6 +102,11 @@ def test_the_phone_with_each_tab_and_all_that_opens(page):
     for tab in ("camera", "map", "view", "filter"):
         click(page, f"[data-name={tab}]")
         found += faults(page)
+        if tab == "view":
+            click(page, "[data-scene-tool=goal]")
+            expect(page.locator("#view-say")).to_contain_text("where the robot shall go")
+            found += faults(page, "#view")
+            click(page, "[data-scene-tool=goal]")
     found += faults_of_parameters(page)
     click(page, "#more")
     found += faults(page, "header.bar") + faults_of_menus(page)
