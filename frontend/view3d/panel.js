@@ -82,9 +82,11 @@ export class View3d {
     }
   }
 
-  /** Tell what to do in the scene. @param {string} words */
+  /** Tell what a press in the scene does; while it does something, a drag does not turn the scene. @param {string} words */
   say(words) {
     setText(this.#say, words);
+    if (this.webGl !== "hardware") return;
+    setText(find("view-hint", HTMLElement), words ? t("wheel to zoom") : t("drag to turn, wheel to zoom"));
   }
 
   /** Keep this page's camera where it is. @returns {Promise<ViewCameraMessage>} */
