@@ -152,7 +152,7 @@ def aimed_at(arguments: tuple[Any, ...], mistakes: frozenset[str]) -> int:
         along = np.hypot(*(path[nearest:] - path[nearest]).T)
         far = nearest + np.flatnonzero(along > ahead)
     end = next((place for name, place in ENDS.items() if name in mistakes), -1)
-    usual = int(far[0]) if len(far) else (nearest if end is None else end)
+    usual = int(far[0]) if len(far) else (nearest if end is None else end % len(path))
     behind = np.flatnonzero(away[: nearest + 1] > ahead)
     within = np.flatnonzero(away <= ahead)
     targets = {
