@@ -82,4 +82,26 @@ AREAS = {
         "The mean is right; how sure it is is not.",
         "After the look the share 1 - k of the variance after the step is left; return its root.",
     ),
+    "aim": Cause(
+        "The robot aims at another point of its way than it should.",
+        "Its speeds fit the direction to that point; it is the search for the point that is wrong.",
+        "Print which point is the nearest, and how far away the points after it are: the first one "
+        "farther than `ahead` is due, or the last one.",
+    ),
+    "speed-alone": Cause(
+        "The robot drives too fast or too slowly.",
+        "The turning speed is right; the speed is not.",
+        "It is speed · cos(error), and 0 where that is negative and where the goal is reached.",
+    ),
+    "turn-alone": Cause(
+        "The robot turns too much or too little.",
+        "The speed is right; the turning speed is not.",
+        "It is gain · error, with gain = 0.25 / delay and the error between -π and π.",
+    ),
+    "goal-alone": Cause(
+        "The robot comes to its goal, and does not do there what it should.",
+        "On the way all is right; at the goal it is not.",
+        "Nearer than 10 mm the speed is 0, and the robot turns with gain · (goal[2] - heading), "
+        "brought back to -π to π.",
+    ),
 }

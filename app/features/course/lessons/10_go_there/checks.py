@@ -3,43 +3,51 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from app.features.course.grader.case import Case, Checks, Hypothesis, Outcome, Sign, by_mistake
+from app.features.course.grader.case import REFERENCE, Case, Checks, Hypothesis, Outcome, Sign
 from app.features.course.grader.drawing import draw_bars
 from app.features.course.grader.forms import array_of
+from app.features.course.grader.mistaken_steering import (
+    BROUGHT_BACK,
+    ENDS,
+    ERRORS,
+    FURTHER,
+    GAINS,
+    GOAL_TURNS,
+    SPEED_ANGLES,
+    TARGETS,
+    commanded,
+)
+from app.features.course.grader.steering_signs import Commanded, signs_of
 from app.features.course.grader.words import Words
 from robot.geometry import Array, wrap_angle
 
-THERE_M = 0.01
-GAIN = 0.25
-"""Times the delay."""
 SPEED, AHEAD, DELAY = 0.2, 0.1, 0.1
 STEP_M = 0.02
 """From one point of a way to the next; all numbers of the cases are off it by a little, so that no
 distance equals ``ahead`` up to rounding."""
-
-Rule = Callable[[float], float]
-GAINS: dict[str, Rule] = {
-    "gain-four": lambda delay: 4 * GAIN / delay,
-    "gain-eight": lambda delay: 8 * GAIN / delay,
-    "gain-two": lambda delay: 2 * GAIN / delay,
-    "gain-times": lambda delay: GAIN * delay,
-    "gain-upside": lambda delay: delay / GAIN,
-    "gain-plain": lambda _delay: GAIN,
-    "gain-one": lambda _delay: 1.0,
-}
-FURTHER = (2, 3, 4, 5, 6, 8, 10, 15, 20)
-"""Points beyond the nearest one at which one aims who counts points, not their distance."""
-TARGETS = (
-    *("from-start", "from-nearest", "nearest", "last", "before", "next", "from-far"),
-    *(f"further-{points}" for points in FURTHER),
-)
-ENDS: dict[str, int | None] = {"end-nearest": None, "end-first": 0, "end-before": -2}
-"""Where on the way one aims where no point is far enough; None is the nearest."""
-ERRORS = ("own-heading", "heading-added", "axes", "from-target")
+PARTS = ("", "-way", "-goal")
+"""Where a mistake can be made that fits both errors."""
+TURNS = {
+    "unsigned": "turn-unsigned", "degrees": "S4", "degrees-turn": "S4", "sine-turn": "turn-sine",
+    "folded": "turn-sine", "folded-turn": "turn-sine",
+}  # fmt: skip
+"""What can be wrong with how an error becomes a turn, by its cause."""
+DIRECTIONS = {
+    "own-heading": "own-heading", "heading-added": "own-heading", "heading-axes": "sine",
+    "axes": "bearing-axes", "axes-own": "bearing-axes", "from-target": "bearing-back",
+    "ratio": "no-arctan", "half-plane": "half-plane", "half-sine": "half-plane",
+    "half-cosine": "half-plane", "half-own": "half-plane", "from-origin": "map-frame",
+    "shifted-late": "map-frame", "along-way": "way-direction", "way-there": "way-direction",
+    "way-here": "way-direction", "degrees-heading": "S4", "degrees-bearing": "S4",
+    "goal-always": "goal-early",
+}  # fmt: skip
+"""What else the direction to a point can be made of, by its cause."""
+ALIKE = frozenset(["heading-axes", "degrees-heading", "degrees-bearing"])
+"""Those of them of which a slip in a line says more."""
 
 
 def cases(seed: int) -> list[Case]:
@@ -63,6 +71,8 @@ def cases(seed: int) -> list[Case]:
         _case("goal", "It is at the goal.", (0.303, -0.004, 2.9), straight, -2.8),
         _case("way", "It is beside its goal.", (0.297, 0.053, -0.7), straight, 1.0),
         _case("way", "It is close to its goal.", (0.2923, 0.0087, 0.3), straight, 1.0),
+        _case("goal", "It is at the goal.", (0.2935, 0.0055, 0.4), straight, -2.6),
+        _case("way", "It is at a point of its way.", (-0.0813, 0.0011, 0.2), straight, 0.0),
     ]
     for delay in (0.05, 0.2):
         drawn = tuple(rng.uniform([-0.28, -0.06, -0.8], [0.1, 0.06, 0.8]).tolist())
@@ -110,133 +120,14 @@ def features(outcome: Outcome) -> Array:
 
 def expected(case: Case, mistakes: frozenset[str]) -> Array:
     """What a controller with mistakes commands."""
-    pose, _, goal, _, _, delay = case.arguments
-    dx, dy = np.abs(goal[:2] - pose[:2]).tolist()
-    nears = {"goal-x": dx, "goal-y": dy, "goal-square": max(dx, dy), "goal-sum": dx + dy}
-    nears |= {"all-square": max(dx, dy), "all-sum": dx + dy, "all-x": dx, "all-y": dy}
-    near = next((each for name, each in nears.items() if name in mistakes), math.hypot(dx, dy))
-    arrived = near < THERE_M and "no-goal" not in mistakes
-    own = 0.0 if "goal-heading-alone" in mistakes else pose[2]
-    error = float(goal[2] - own) if arrived else _bearing(case, mistakes)
-    part = "goal" if arrived else "way"
-    rules = {each: rule for name, rule in GAINS.items() for each in (name, f"{name}-{part}")}
-    gain = by_mistake(mistakes, {name: rule(delay) for name, rule in rules.items()}, GAIN / delay)
-    if not mistakes & {"unwrapped", f"unwrapped-{part}"}:
-        error = wrap_angle(error)
-    if "degrees" in mistakes:
-        error = math.degrees(error)
-    if mistakes & {"sign", f"sign-{part}"}:
-        error = -error
-    turns = {"degrees-turn": math.degrees(error), "sine-turn": math.sin(error)}
-    turn = by_mistake(mistakes, turns, error)
-    if arrived and "heading-forgotten" in mistakes:
-        turn = 0.0
-    return np.array([_speed(case, error, arrived, mistakes), gain * turn])
-
-
-def _speed(case: Case, error: float, arrived: bool, mistakes: frozenset[str]) -> float:
-    speed = float(case.arguments[3])
-    if arrived and "drives-on" not in mistakes:
-        return 0.0
-    if "full-speed" in mistakes:
-        return speed
-    ahead = abs(math.cos(error)) if "cosine-size" in mistakes else math.cos(error)
-    return speed * (ahead if "backwards" in mistakes else max(0.0, ahead))
-
-
-def _target(case: Case, mistakes: frozenset[str]) -> int:
-    """Return which point of the way is aimed at."""
-    pose, path, _, _, ahead, _ = case.arguments
-    away = _distances(path, pose, mistakes)
-    nearest = int(away.argmin())
-    ahead = math.sqrt(ahead) if "ahead-rooted" in mistakes else ahead
-    far = nearest + np.flatnonzero(away[nearest:] > ahead)
-    if "from-nearest" in mistakes:
-        along = np.hypot(*(path[nearest:] - path[nearest]).T)
-        far = nearest + np.flatnonzero(along > ahead)
-    end = next((place for name, place in ENDS.items() if name in mistakes), -1)
-    target = int(far[0]) if len(far) else (nearest if end is None else end)
-    if "from-start" in mistakes:
-        target = int(np.append(np.flatnonzero(away > ahead), len(path) - 1)[0])
-    if "nearest" in mistakes:
-        target = nearest
-    if "last" in mistakes:
-        target = len(path) - 1
-    if "before" in mistakes:
-        behind = np.flatnonzero(away[: nearest + 1] > ahead)
-        target = int(behind[-1]) if len(behind) else 0
-    if "next" in mistakes:
-        target = min(nearest + 1, len(path) - 1)
-    further = next((points for points in FURTHER if f"further-{points}" in mistakes), None)
-    if further is not None:
-        target = min(nearest + further, len(path) - 1)
-    if "from-far" in mistakes:
-        within = np.flatnonzero(away <= ahead)
-        target = int(within[-1]) if len(within) else nearest
-    return target
-
-
-def _distances(path: Array, pose: Array, mistakes: frozenset[str]) -> Array:
-    """Return how far the points (n, 2) of a way are from a pose (n,) [m]."""
-    apart = np.abs(path - pose[:2])
-    if mistakes & {"path-sum", "all-sum"}:
-        return np.asarray(apart.sum(axis=1))
-    if mistakes & {"path-square", "all-square"}:
-        return np.asarray(apart.max(axis=1))
-    for axis, name in enumerate("xy"):
-        if mistakes & {f"path-{name}", f"all-{name}"}:
-            return np.asarray(apart[:, axis])
-    return np.asarray(np.hypot(*apart.T))
-
-
-def _bearing(case: Case, mistakes: frozenset[str]) -> float:
-    pose, path = case.arguments[:2]
-    dx, dy = (path[_target(case, mistakes)] - pose[:2]).tolist()
-    if "from-target" in mistakes:
-        dx, dy = -dx, -dy
-    bearing = math.atan2(dx, dy) if "axes" in mistakes else math.atan2(dy, dx)
-    if "own-heading" in mistakes:
-        return bearing
-    own = float(pose[2])
-    return bearing + own if "heading-added" in mistakes else bearing - own
+    return commanded(case.arguments, mistakes)
 
 
 def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
-    """A limit of speed or turn; a gain that is another one, whichever: the speed is right, and all
-    turns are off alike."""
-    if limited := _limited(outcomes):
-        yield Sign("limited", limited)
-        return
-    shares, plain, shown = [], [], None
-    for outcome in outcomes:
-        given, due = features(outcome), expected(outcome.case, frozenset())
-        if abs(given[0] - due[0]) > 1e-6:
-            return
-        if abs(due[1]) > 0.02:
-            shares.append(given[1] / due[1])
-            plain.append(shares[-1] / outcome.case.arguments[5])
-            shown = shown or outcome
-    for each in (shares, plain):
-        alike = bool(each) and np.ptp(each) < 1e-6 * abs(each[0])
-        if shown and alike and each[0] > 0 and not math.isclose(shares[0], 1.0):
-            yield Sign("gain-delay", shown)
-            return
-
-
-def _limited(outcomes: Sequence[Outcome]) -> Outcome | None:
-    """Return a case whose speed or turn is cut off, if that is all that is wrong; or None."""
-    pairs = [(item, features(item), expected(item.case, frozenset())) for item in outcomes]
-    wrong = [each for each in pairs if np.abs(each[1] - each[2]).max() > 1e-6]
-    for axis in (0, 1):
-        sizes = [abs(given[axis]) for _, given, _ in wrong]
-        if len(wrong) < 2 or np.ptp(sizes) > 1e-9 or sizes[0] == 0:
-            continue
-        cut = [due.copy() for _, _, due in pairs]
-        for due in cut:
-            due[axis] = np.clip(due[axis], -sizes[0], sizes[0])
-        if all(np.abs(due - each[1]).max() <= 1e-6 for due, each in zip(cut, pairs, strict=True)):
-            return wrong[0][0]
-    return None
+    """What shows by itself in the speeds of all cases."""
+    return signs_of(
+        [Commanded(item, features(item), expected(item.case, REFERENCE)) for item in outcomes]
+    )
 
 
 def show(_case: Case, values: Array) -> str:
@@ -263,46 +154,74 @@ CHECKS = Checks(
     hypotheses=(
         Hypothesis("sign", "turn-away"),
         Hypothesis("sign-way", "turn-away", kind="way"),
-        Hypothesis("sign-goal", "turn-away", kind="goal"),
-        Hypothesis("unwrapped", "E2"),
-        Hypothesis("unwrapped-way", "E2"),
-        Hypothesis("unwrapped-goal", "E2", kind="goal"),
+        Hypothesis("sign-goal", "goal-away", kind="goal"),
+        *(
+            Hypothesis(f"{name}{part}", "E2", frozenset(BROUGHT_BACK), kind=part[1:])
+            for name in BROUGHT_BACK
+            for part in PARTS
+            if (name, part) != ("half-round", "-way")  # rather a direction of half a plane
+        ),
         *(Hypothesis(name, "gain-delay", frozenset(GAINS)) for name in GAINS),
         *(Hypothesis(f"{name}-way", "gain-delay", kind="way") for name in GAINS),
         *(Hypothesis(f"{name}-goal", "gain-delay", kind="goal") for name in GAINS),
         Hypothesis("no-goal", "goal-heading", kind="goal"),
         Hypothesis("heading-forgotten", "goal-heading", kind="goal"),
         *(
+            Hypothesis(name, "goal-heading", frozenset(GOAL_TURNS), kind="goal")
+            for name in ("goal-piece", "goal-bearing", "goal-zero")
+        ),
+        *(
+            Hypothesis(name, "own-heading", frozenset(GOAL_TURNS), kind="goal")
+            for name in ("goal-heading-alone", "goal-added")
+        ),
+        *(
             Hypothesis(name, "goal-place")
             for name in ("goal-x", "goal-y", "goal-square", "goal-sum")
         ),
+        Hypothesis("goal-rooted", "goal-rooted", broad=True),
         *(
             Hypothesis(f"{part}-{rule}", "distance")
             for rule in ("sum", "square", "x", "y")
             for part in ("path", "all")
         ),
-        Hypothesis("goal-heading-alone", "own-heading", kind="goal"),
         Hypothesis("from-start", "look-behind", frozenset(TARGETS)),
         Hypothesis("before", "look-behind", frozenset(TARGETS)),
+        Hypothesis("up-to-nearest", "look-behind", frozenset(TARGETS)),
         Hypothesis("nearest", "no-look-ahead", frozenset(TARGETS)),
         Hypothesis("next", "no-look-ahead", frozenset(TARGETS)),
         Hypothesis("from-far", "no-look-ahead", frozenset(TARGETS)),
+        Hypothesis("one-less", "no-look-ahead", frozenset(TARGETS), broad=True),
+        Hypothesis("at-ahead", "ahead-about", frozenset(TARGETS)),
+        Hypothesis("at-ahead-whole", "ahead-about", frozenset(TARGETS)),
         *(Hypothesis(f"further-{n}", "points-counted", frozenset(TARGETS)) for n in FURTHER),
         Hypothesis("last", "corners-cut", frozenset(TARGETS)),
-        Hypothesis("own-heading", "own-heading", frozenset(ERRORS)),
-        Hypothesis("heading-added", "own-heading", frozenset(ERRORS)),
-        Hypothesis("axes", "bearing-axes", frozenset(ERRORS)),
-        Hypothesis("from-target", "bearing-back", frozenset(ERRORS)),
+        Hypothesis("last-far", "corners-cut", frozenset(TARGETS)),
+        Hypothesis("larger-x", "ahead-axis", frozenset(TARGETS)),
+        Hypothesis("in-front", "ahead-axis", frozenset(TARGETS)),
+        *(
+            Hypothesis(f"{name}{turn}", cause, frozenset(ERRORS), broad=name in ALIKE)
+            for turn in ("", "-turn")
+            for name, cause in DIRECTIONS.items()
+        ),
+        *(
+            Hypothesis(name, "map-frame")
+            for name in ("path-origin", "far-origin", "nearest-origin")
+        ),
         Hypothesis("from-nearest", "ahead-along", frozenset(TARGETS)),
         *(Hypothesis(name, "end-lost", frozenset([*TARGETS, *ENDS])) for name in ENDS),
         Hypothesis("full-speed", "full-speed"),
         Hypothesis("backwards", "backwards"),
         Hypothesis("cosine-size", "drives-away"),
+        Hypothesis("speed-sine", "sine", broad=True),
+        *(Hypothesis(name, "speed-angle", broad=True) for name in SPEED_ANGLES),
         Hypothesis("ahead-rooted", "ahead-rooted"),
+        Hypothesis("ahead-squared", "ahead-squared"),
         Hypothesis("drives-on", "drives-on", kind="goal"),
-        Hypothesis("degrees", "S4"),
-        Hypothesis("degrees-turn", "S4"),
-        Hypothesis("sine-turn", "turn-sine"),
+        *(
+            Hypothesis(f"{name}{part}", cause, kind=part[1:])
+            for name, cause in TURNS.items()
+            for part in PARTS
+        ),
     ),
     signs=signs,
     show=show,

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from course.steering import ARRAYS, HEAD, MISTAKES, ODD, source_of
 
-from app.features.course.grading import grade, grade_often
+from app.features.course.grader.case import REFERENCE
+from app.features.course.grading import SEED, grade, grade_often
 from app.features.course.lesson import lesson_of
 
 LESSON = lesson_of(10)
@@ -36,6 +37,14 @@ def test_a_mistake_is_named_in_each_writing(code):
         if writing.code == code
     ]
     assert named == [[code]] * 3
+
+
+def test_no_mistake_that_is_known_passes_all_cases():
+    cases = LESSON.checks.cases(SEED)
+    right = [LESSON.checks.expected(case, REFERENCE) for case in cases]
+    for hypothesis in LESSON.checks.hypotheses:
+        wrong = [LESSON.checks.expected(case, frozenset([hypothesis.mistake])) for case in cases]
+        assert np.abs(np.subtract(wrong, right)).max() > 1e-3, hypothesis.mistake
 
 
 def test_the_controller_brings_a_late_robot_to_its_goal_and_a_high_gain_swings():
