@@ -105,10 +105,9 @@ class LineScanner:
             range_max=settings.range_max,
             step_px=settings.step,
         )
-        self._sight = self.table.limits
         self._size = (view.lens.height, view.lens.width)
-        self._middle_row = (view.lens.height - 1) / 2
-        self._a_row = view.lens.readout / max(1, view.lens.height - 1)
+        rows = self.table.pixels[:, :, 1].astype(np.float64)
+        self._late = view.lens.readout * (rows / max(1, view.lens.height - 1) - 0.5)
         self._directions = heading_vectors(self.table.bearings)
         self._start = Pose2(settings.centre_x)
         self._apart = math.ceil(1.5 / settings.step)
@@ -131,16 +130,17 @@ class LineScanner:
         table, wanted, directions = self.table, self.settings, self._directions
         tape = self._tape_in(picture)
         ranges, edges, lines = tape.ranges, tape.edges, tape.lines
-        if self._a_row > 0:
+        sight = table.limits
+        if self.view.lens.readout > 0:
+            sight = sight.copy()
             unskew(
                 ranges,
+                sight,
                 lines,
                 edges,
-                table.pixels,
+                self._late,
                 directions,
                 wanted.centre_x,
-                self._a_row,
-                self._middle_row,
                 twist.v,
                 twist.omega,
             )
@@ -153,7 +153,7 @@ class LineScanner:
                 table.bearings,
                 ranges,
                 self._start,
-                self._sight,
+                sight,
                 clear=tape.clear,
                 hidden=tape.hidden,
                 picture=crc32(picture[::ROWS_APART].tobytes()) if tape.noise > 0 else 0,

@@ -65,7 +65,7 @@ FUNCTIONS: tuple[Compiled, ...] = (
     Compiled("robot.scanning.along_rays.points_of", (_F3, _F2, _F2)),
     Compiled(
         "robot.scanning.along_rays.unskew",
-        (_F1, _F2, _F2, float32[:, :, ::1], _F2, float64, float64, float64, float64, float64),
+        (_F1, *[_F2] * 5, float64, float64, float64),
     ),
     Compiled(
         "robot.fields.visibility._judge_parts",

@@ -72,15 +72,28 @@ def test_whatever_the_line_a_range_is_on_the_ray_or_none(
 def test_what_was_exposed_late_is_moved_by_what_the_robot_drove() -> None:
     """Ahead an edge at a slant of 45 degrees: driving 1 mm brings it 1 mm nearer along the ray."""
     slanted = np.array([[-np.sqrt(0.5), -np.sqrt(0.5), -0.3 * np.sqrt(0.5)]])
-    pixels = np.zeros((1, 200, 2), dtype=np.float32)
-    pixels[0, :, 1] = 479 - np.arange(200)
+    late = np.tile(1e-4 * (479 - np.arange(200.0) - 239.5), (1, 1))
     ranges = np.array([0.3])
     edges = np.array([[100.0, 120.0]])
-    unskew(ranges, slanted, edges, pixels, DIRECTIONS[:1], 0.0, 1e-4, 239.5, 0.2, 0.0)
-    late = 1e-4 * (379 - 239.5)
-    assert ranges[0] == pytest.approx(0.3 + 0.2 * late)
-    unskew(ranges, slanted, edges, pixels, DIRECTIONS[:1], 0.0, 1e-4, 239.5, -0.2, 0.0)
+    sight = np.array([[0.1, 0.5]])
+    unskew(ranges, sight, slanted, edges, late, DIRECTIONS[:1], 0.0, 0.2, 0.0)
+    assert ranges[0] == pytest.approx(0.3 + 0.2 * 1e-4 * (379 - 239.5))
+    # Its sight begins in the lowest row, which is exposed last, and ends in a higher one.
+    ends = 1e-4 * (np.array([479, 280]) - 239.5)
+    np.testing.assert_allclose(sight[0], [0.1, 0.5] + 0.2 * ends)
+    unskew(ranges, sight, slanted, edges, late, DIRECTIONS[:1], 0.0, -0.2, 0.0)
     assert ranges[0] == pytest.approx(0.3)
+    np.testing.assert_allclose(sight[0], [0.1, 0.5])
+
+
+def test_a_turn_about_the_start_of_the_rays_moves_no_sight_and_what_is_unseen_stays_so() -> None:
+    late = np.tile(1e-4 * (479 - np.arange(200.0) - 239.5), (2, 1))
+    lines, edges = np.tile([-1.0, 0.0, -0.3], (2, 1)), np.full((2, 2), 100.0)
+    sight = np.array([[0.1, 0.5], [np.nan, np.nan]])
+    before = sight.copy()
+    ranges = np.full(2, np.inf)
+    unskew(ranges, sight, lines, edges, late, DIRECTIONS[:2], 0.0, 0.0, 2.0)
+    np.testing.assert_allclose(sight, before, rtol=1e-12)
 
 
 @pytest.mark.parametrize("omega", [2.0, -2.0])
@@ -94,9 +107,10 @@ def test_where_an_edge_ends_the_ray_that_looks_past_it_by_then_does_not_count(
     lines = np.column_stack([normals, [-0.4] * 3 + [-0.262] * 3])
     seen = lines[:, 2] / np.einsum("ij,ij->i", normals, directions)
     ranges = seen.copy()
-    pixels = np.zeros((6, 200, 2), dtype=np.float32)
+    late = np.full((6, 200), -1e-4 * 80.0)
     edges = np.tile([100.0, 120.0], (6, 1))
-    unskew(ranges, lines, edges, pixels, directions, 0.0, 1e-4, 80.0, 0.0, omega)
+    sight = np.tile([0.1, 0.9], (6, 1))
+    unskew(ranges, sight, lines, edges, late, directions, 0.0, 0.0, omega)
     # Rows above the middle are exposed earlier, and the robot has turned by 0.9 degrees since then.
     past = 2 if omega > 0 else 3
     assert np.flatnonzero(np.isinf(ranges)).tolist() == [past]
@@ -113,6 +127,7 @@ def test_a_robot_that_hardly_turns_keeps_the_last_rays_on_an_edge() -> None:
     ranges = np.array([np.inf, 0.4, np.inf])
     lines = np.tile([-1.0, 0.0, -0.4 * directions[1, 0]], (3, 1))
     edges = np.tile([100.0, 120.0], (3, 1))
-    pixels = np.zeros((3, 200, 2), dtype=np.float32)
-    unskew(ranges, lines, edges, pixels, directions, 0.0, 1e-4, 80.0, 0.0, 0.2)
+    late = np.full((3, 200), -1e-4 * 80.0)
+    sight = np.tile([0.1, 0.9], (3, 1))
+    unskew(ranges, sight, lines, edges, late, directions, 0.0, 0.0, 0.2)
     assert np.isfinite(ranges).tolist() == [False, True, False]
