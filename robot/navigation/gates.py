@@ -91,7 +91,7 @@ def comes_no_nearer(free: FreeSpace, leg: WayLeg, pose: Pose2) -> bool:
 
 def _kept(free: FreeSpace, room: float) -> float:
     """Return what a robot with so much room keeps [m]."""
-    return max(min(free.settings.clearance, room - SAME_ROOM), sys.float_info.min)
+    return max(min(free.kept, room - SAME_ROOM), sys.float_info.min)
 
 
 def _straight_ways(free: FreeSpace, pose: Pose2, *, away: bool) -> Iterator[Gate]:
@@ -115,7 +115,7 @@ def _way_out(free: FreeSpace, pose: Pose2) -> Gate | None:
     """
     room = float(free.room(pose.to_array()[None])[0])
     kept = _kept(free, room)
-    needed = free.radius + free.settings.clearance
+    needed = free.radius + free.kept
     open_poses = [_Reached(0.0, 0, 0.0, pose)]
     closed: set[tuple[int, int, int]] = set()
     number = 0

@@ -54,7 +54,7 @@ def plan_in_headings(free: FreeSpace, start: Pose2, goal: Pose2) -> tuple[WayLeg
     leaving, begin = _left_wall(free, start)
     # Where that does not help, it keeps what room it has.
     room = float(free.room(begin.to_array()[None])[0])
-    clearance = min(settings.clearance, room - FRINGE)
+    clearance = min(free.kept, room - FRINGE)
     ground = Ground(
         free.distance,
         *(float(free.origin[0]), float(free.origin[1]), float(free.side)),

@@ -21,7 +21,7 @@ from robot.navigation.next_way import Approach, Planning, way_onto, way_to
 from robot.navigation.planners import find_way
 from robot.navigation.planning import Planner
 from robot.navigation.sensed import Sensed
-from robot.navigation.settings import NavigationSettings
+from robot.navigation.settings import REFUSED, NavigationSettings
 from robot.navigation.timed_way import Limits, TimedWay
 from robot.navigation.tracker import follow
 
@@ -107,23 +107,32 @@ class Navigator:
             return None
         elif tick.integrity.state not in KNOWN:
             return None  # from a wrong place there may be no way: first it looks around
+        elif self._refuses and tick.integrity.radius > self._settings.stop_radius:
+            return None  # no way has room for that
         elif self._curve is not None:
-            job = self._curve_job(self._curve, free, tick.pose)
+            job = self._curve_job(self._curve, free, tick.pose, tick.integrity.radius)
         else:
-            job = self._goal_job(free, tick.pose)
+            job = self._goal_job(free, tick.pose, tick.integrity.radius)
         self._asked = job is not None
         return job
 
-    def _goal_job(self, free: Callable[[], FreeSpace], start: Pose2) -> Job:
+    def _goal_job(self, free: Callable[[], FreeSpace], start: Pose2, bound: float) -> Job:
         arrival, planning = self._arrival, self._planning
-        approach = Approach(start, self._goal, arrival.reached, arrival.seeks)
+        approach = Approach(start, self._goal, arrival.reached, arrival.seeks, bound)
         arrival.seeks = False
         return lambda: way_to(free(), approach, planning)
 
-    def _curve_job(self, wanted: ClosedCurve, free: Callable[[], FreeSpace], start: Pose2) -> Job:
+    def _curve_job(
+        self, wanted: ClosedCurve, free: Callable[[], FreeSpace], start: Pose2, bound: float
+    ) -> Job:
         lap = self._lap or lap_of(wanted, wanted.start or start, self._planning.limits)
         self._lap = lap = lap.begun_near(self._left_at or start)
-        return lambda: way_onto(free(), start, lap, self._planning)
+        return lambda: way_onto(free(), start, lap, self._planning, bound)
+
+    @property
+    def _refuses(self) -> bool:
+        """Whether its outline grown by its bound must come to no wall."""
+        return self._settings.narrow_ways == REFUSED
 
     def take(self, plan: Plan | BrickPoseError) -> None:
         """Drive along a way that was planned, or stand if there is none."""
@@ -170,10 +179,15 @@ class Navigator:
         if doubt and math.isinf(tick.integrity.radius):
             self._show("waiting", reason=doubt)
             return True
-        if self._is_off(pose, trajectory):
+        if self._is_off(pose, trajectory) or self._comes_too_near(tick, trajectory):
             self.plan_anew()
             return True
         return False
+
+    def _comes_too_near(self, tick: Sensed, trajectory: TimedWay) -> bool:
+        """Whether its bound has grown beyond the room on its way, and that is refused."""
+        room = max(trajectory.bound, trajectory.room_at(self._clock))
+        return self._refuses and tick.integrity.radius > room
 
     def _drive(self, tick: Sensed, pose: Pose2, trajectory: TimedWay, passed: float) -> Twist2:
         """Go on along the trajectory."""
@@ -187,7 +201,7 @@ class Navigator:
         self._clock = clock
         wanted = trajectory.at(clock)
         ahead = trajectory.at(clock + pace * self._settings.command_lag).twist
-        self._show("driving", target=wanted.pose)
+        self._show("driving", target=wanted.pose, reason=trajectory.narrow)
         paced = Twist2(pace * ahead.v, pace * ahead.omega)
         over = clock >= trajectory.duration
         if stays or (over and not controller.by_time):

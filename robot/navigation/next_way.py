@@ -14,7 +14,7 @@ from robot.navigation.free_space import FreeSpace
 from robot.navigation.goal import Goal
 from robot.navigation.legs import WayLeg
 from robot.navigation.planning import NoWayError, Planner
-from robot.navigation.settings import NavigationSettings
+from robot.navigation.settings import REFUSED, NavigationSettings
 from robot.navigation.timed_way import SAMPLE_S, Limits, TimedWay, timed, timed_loop
 
 GOAL_STAYS = 0.015
@@ -50,6 +50,8 @@ class Approach:
     """Whether it was there before: then it only corrects what is missing."""
     seeks: bool = False
     """Whether it turns around to see more."""
+    bound: float = 0.0
+    """How well it knows its place [m]: its outline grown by that shall come to no wall."""
 
     @property
     def end(self) -> Pose2:
@@ -66,12 +68,17 @@ def way_to(space: FreeSpace, approach: Approach, planning: Planning) -> TimedWay
     Raises:
         NoWayError: there is none; says why.
     """
-    legs = _legs_to(space, approach, planning)
+    legs = _legs_at_goal(space, approach, planning.settings)
+    if legs is None:
+        return _way_there(space, approach, planning)
     return planning.timed(space, legs) if legs else None
 
 
-def _legs_to(space: FreeSpace, approach: Approach, planning: Planning) -> tuple[WayLeg, ...]:
-    start, end, settings = approach.start, approach.end, planning.settings
+def _legs_at_goal(
+    space: FreeSpace, approach: Approach, settings: NavigationSettings
+) -> tuple[WayLeg, ...] | None:
+    """Return what is left to drive for a robot that was there; None if it has to come anew."""
+    start, end = approach.start, approach.end
     if approach.seeks and space.turns(start.to_array()[None, :2]):
         return all_around(start)
     if approach.reached and start.distance_to(end) <= GOAL_STAYS:
@@ -79,25 +86,57 @@ def _legs_to(space: FreeSpace, approach: Approach, planning: Planning) -> tuple[
         # Without room to correct it, an end beside the goal is no arrival: it comes anew.
         if legs or is_there(start, end, settings):
             return legs
-    return planning.planner(space, start, end)
+    return None
 
 
-def way_onto(space: FreeSpace, start: Pose2, lap: Lap, planning: Planning) -> TimedWay | None:
+def _way_there(space: FreeSpace, approach: Approach, planning: Planning) -> TimedWay | None:
+    """Return the way on which the outline grown by the bound is clear of walls, or another one."""
+    start, end = approach.start, approach.end
+    known = approach.bound <= planning.settings.stop_radius
+    roomy = space.for_bound(approach.bound if known else 0.0)
+    refuses, bound = planning.settings.narrow_ways == REFUSED, 1000 * roomy.kept
+    narrow = ""
+    if roomy is not space and not roomy.fits(end.to_array()[None]) and space.admits(end):
+        narrow = f"at the goal a wall is nearer than the {bound:.0f} mm to which its place is known"
+        if refuses:
+            raise NoWayError(narrow)
+    try:
+        legs = planning.planner(roomy, start, end)
+    except NoWayError as error:
+        if roomy is space:
+            raise
+        narrow = f"no way keeps the {bound:.0f} mm from walls to which its place is known"
+        if refuses:
+            raise NoWayError(narrow) from error
+        legs = planning.planner(space, start, end)
+    if not legs:
+        return None
+    return replace(planning.timed(space, legs), bound=roomy.kept, narrow=narrow)
+
+
+def way_onto(
+    space: FreeSpace, start: Pose2, lap: Lap, planning: Planning, bound: float = 0.0
+) -> TimedWay | None:
     """Return the lap of a closed curve, or the way to it if the robot does not stand on it.
+
+    ``bound`` is how well it knows its place [m].
 
     Raises:
         NoWayError: a wall is in the way.
     """
+    if planning.settings.narrow_ways == REFUSED:
+        space = space.for_bound(bound)
     if not space.fits(lap.poses):
         raise NoWayError(
             "along the curve the robot would touch a wall, or be nearer to it than "
-            f"{1000 * space.settings.clearance:.0f} mm; valid is a smaller one, or "
+            f"{1000 * space.kept:.0f} mm; valid is a smaller one, or "
             "another place to begin"
         )
     turned = abs(lap.begin.turn_to(start)) / 5
     if max(lap.begin.distance_to(start), turned) <= ON_CURVE:
-        return with_room(space, timed_loop(lap.legs, planning.limits))
-    return way_to(space, Approach(start, Goal(*lap.begin.to_array())), planning)
+        way = with_room(space, timed_loop(lap.legs, planning.limits))
+        return replace(way, bound=space.kept)
+    return way_to(space, Approach(start, Goal(*lap.begin.to_array()), bound=bound), planning)
 
 
 def with_room(space: FreeSpace, way: TimedWay) -> TimedWay:

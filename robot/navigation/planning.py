@@ -75,7 +75,7 @@ def _plan(free: FreeSpace, start: Pose2, goal: Pose2, corners: Corners) -> tuple
     if coming is None:
         raise NoWayError(
             "at the goal there is no room to turn, and no straight way to it; valid is a goal "
-            f"{1000 * (free.radius + free.settings.clearance):.0f} mm from walls"
+            f"{1000 * (free.radius + free.kept):.0f} mm from walls"
         )
     (first, begin), (last, end) = leaving, coming
     return (*first, *_between(free, begin, end, corners), *last)
@@ -98,7 +98,7 @@ def require_free(free: FreeSpace, goal: Pose2) -> None:
     Raises:
         NoWayError: a wall is there; the message says how near.
     """
-    if free.fits(goal.to_array()[None]):
+    if free.admits(goal):
         return
     if free.stands_in_wall(goal):
         raise NoWayError("at the goal the robot would stand on a wall or beyond the floor")

@@ -52,6 +52,10 @@ class TimedWay:
     """Begin and end of a lap [s], after which the same lap comes again; None ends."""
     room: Array | None = None
     """(n,) the outline's least distance to walls a little ahead [m]; None is not known."""
+    bound: float = math.inf
+    """Where the robot knows its place so well [m], its outline comes to no wall; inf is any."""
+    narrow: str = ""
+    """Why it comes nearer to walls than that, in words for people; empty if it does not."""
 
     @property
     def duration(self) -> float:

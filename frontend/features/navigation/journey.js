@@ -110,6 +110,7 @@ function words({ state, remaining_m, remaining_s, reason, number, on_curve }, co
       if (on_curve) return t("curve: {way} m of this lap left", left);
       if (count === 0) return t("tape: following it");
       if (count > 1) return t("goal {number} of {count}: {way} m, {time} s left", { number: number + 1, count, ...left });
+      if (why) return t("goal: {way} m, {time} s left; {why}", { why, ...left });
       return t("goal: {way} m, {time} s left", left);
     case "waiting":
       return t("goal: waiting; {why}", { why });

@@ -1,6 +1,7 @@
 """A navigator by itself: an ideal robot, and beliefs that are made up."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -35,8 +36,8 @@ FREE = FreeSpace.of(load_field("square", MAPS), RobotSpec.load().outline, SETTIN
 class Ideal:
     """A robot that does at once what it is told."""
 
-    def __init__(self, *goals: Goal, repeat=False) -> None:
-        self.navigator = Navigator(goals, SETTINGS, LIMITS, look=self.look, repeat=repeat)
+    def __init__(self, *goals: Goal, repeat=False, settings=SETTINGS) -> None:
+        self.navigator = Navigator(goals, settings, LIMITS, look=self.look, repeat=repeat)
         self.pose, self.twist, self.stamp = Pose2(), Twist2(), 0.0
         self.believed = SURE
         self.looks: list[tuple[int, int]] = []
@@ -264,3 +265,30 @@ def test_a_canceled_journey_says_so_once():
     assert (robot.status.state, robot.status.reason) == ("canceled", "a test ends it")
     robot.tick()
     assert robot.twist == Twist2()
+
+
+@pytest.mark.parametrize("narrow_ways", ["slow", "refused"])
+def test_a_bound_that_grows_beside_tape_ends_a_drive_only_where_that_is_refused(narrow_ways):
+    robot = Ideal(Goal(0.385, 0.0, 0.0), settings=replace(SETTINGS, narrow_ways=narrow_ways))
+    while robot.pose.x < 0.3:
+        robot.tick()
+    robot.believed = Integrity(State.CERTAIN, 0.04, 0.02)
+    robot.go(30)
+    if narrow_ways == "slow":
+        assert robot.status.state == "arrived"
+        return
+    assert robot.status.state == "failed"
+    assert robot.status.reason.endswith("nearer than the 40 mm to which its place is known")
+    assert FREE.room(robot.pose.to_array()[None])[0] > 0.02
+    assert robot.twist == Twist2()
+
+
+def test_a_goal_nearer_to_tape_than_the_bound_is_driven_to_and_told_meanwhile():
+    robot = Ideal(Goal(0.385, 0.0, 0.0))
+    robot.believed = Integrity(State.CERTAIN, 0.03, 0.02)
+    robot.go(30)
+    assert robot.status.state == "arrived"
+    assert (
+        "driving",
+        "at the goal a wall is nearer than the 30 mm to which its place is known",
+    ) in (robot.states)
