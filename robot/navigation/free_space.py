@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from robot.fields.field import Field
 from robot.fields.floor_picture import Extent
 from robot.geometry import Array, Pose2
-from robot.navigation.settings import NavigationSettings
+from robot.navigation.settings import REFUSED, NavigationSettings
 from robot.navigation.walls import Walls
 
 LETHAL, INSCRIBED = 254, 253
@@ -144,6 +144,11 @@ class FreeSpace:
     def kept(self) -> float:
         """Room that the outline keeps to walls on the way [m]."""
         return max(self.settings.clearance, self.bound)
+
+    @property
+    def thorough(self) -> bool:
+        """Whether slow searches are worth it: not where a way nearer to walls will do as well."""
+        return self.bound == 0 or self.settings.narrow_ways == REFUSED
 
     def fits(self, poses: Array) -> bool:
         """Whether the robot's outline keeps its clearance at poses (n, 3) [m, m, rad]."""

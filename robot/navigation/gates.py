@@ -67,7 +67,7 @@ def gate(free: FreeSpace, pose: Pose2, *, away: bool) -> Gate | None:
     On it the robot keeps its clearance, or what room it has at the pose if that is less.
     """
     straight_way = next(_straight_ways(free, pose, away=away), None)
-    if straight_way is not None:
+    if straight_way is not None or not free.thorough:
         return straight_way
     way = _way_out(free, pose)
     if way is None or away:

@@ -105,7 +105,7 @@ def _way_there(space: FreeSpace, approach: Approach, planning: Planning) -> Time
     except NoWayError as error:
         if roomy is space:
             raise
-        narrow = f"no way keeps the {bound:.0f} mm from walls to which its place is known"
+        narrow = f"its way keeps no {bound:.0f} mm from walls, to which its place is known"
         if refuses:
             raise NoWayError(narrow) from error
         legs = planning.planner(space, start, end)

@@ -46,6 +46,8 @@ def find_way(free: FreeSpace, start: Pose2, goal: Pose2) -> tuple[WayLeg, ...]:
     try:
         return plan(free, start, goal)
     except NoWayError as error:
+        if not free.thorough:
+            raise
         try:
             return _in_headings(free, start, goal)
         except NoWayError:

@@ -55,12 +55,13 @@ def test_a_passage_narrower_than_the_bound_is_told_or_refused() -> None:
         ((-0.05, sign * half), (0.05, sign * half), (0.05, sign), (-0.05, sign)) for sign in (1, -1)
     )
     space = FreeSpace.of(FIELD, OUTLINE, SETTINGS, Walls(zones=zones))
+    strict_space = FreeSpace.of(FIELD, OUTLINE, STRICT.settings, Walls(zones=zones))
     approach = Approach(Pose2(-0.2, 0.0, 0.0), Goal(0.2, 0.0, 0.0), bound=0.03)
     way = way_to(space, approach, PLANNING)
     assert way is not None
-    assert way.narrow == "no way keeps the 30 mm from walls to which its place is known"
-    with pytest.raises(NoWayError, match="no way keeps the 30 mm"):
-        way_to(space, approach, STRICT)
-    known_better = way_to(space, replace(approach, bound=0.015), STRICT)
+    assert way.narrow == "its way keeps no 30 mm from walls, to which its place is known"
+    with pytest.raises(NoWayError, match="keeps no 30 mm"):
+        way_to(strict_space, approach, STRICT)
+    known_better = way_to(strict_space, replace(approach, bound=0.015), STRICT)
     assert known_better is not None
     assert known_better.narrow == ""
