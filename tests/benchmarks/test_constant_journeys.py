@@ -19,7 +19,8 @@ def test_journeys_arrive_repeat_and_tell_a_poor_constant(monkeypatch, tmp_path):
     monkeypatch.setattr(tracker, "ALONG_GAIN", 0.0)
     monkeypatch.setattr(tracker, "TURN_GAIN", 0.0)
     poor = constant_journeys.tried(constant_journeys.recorded(kept), 0)
-    assert poor["off its way [mm]"] > usual["off its way [mm]"]
+    # One that hardly gets on is not far off its way.
+    assert poor["not reached"] > 0
 
 
 @pytest.mark.parametrize(("doubts", "looks"), [(0.5, False), (2.5, True)])
