@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from robot.settings import SettingError, check_settings, setting
 
 TAPE = ("wall", "ignored")
-SLOW, REFUSED = "slow", "refused"
+TOLD, REFUSED = "told", "refused"
 """What becomes of ways that come nearer to walls than the bound of the robot's place."""
 
 
@@ -96,10 +96,10 @@ class NavigationSettings:
         high=2,
     )
     narrow_ways: str = setting(
-        SLOW,
-        "Ways nearer to walls than the robot's bound, where no other leads to the goal: slow, and "
-        "told, or refused",
-        choices=(SLOW, REFUSED),
+        TOLD,
+        "Ways nearer to walls than the robot's bound, where no other is found: driven and told, or "
+        "refused",
+        choices=(TOLD, REFUSED),
     )
     off_path: float = setting(
         0.05, "A robot that is farther from its path plans anew", unit="m", low=0.005, high=2

@@ -267,14 +267,14 @@ def test_a_canceled_journey_says_so_once():
     assert robot.twist == Twist2()
 
 
-@pytest.mark.parametrize("narrow_ways", ["slow", "refused"])
+@pytest.mark.parametrize("narrow_ways", ["told", "refused"])
 def test_a_bound_that_grows_beside_tape_ends_a_drive_only_where_that_is_refused(narrow_ways):
     robot = Ideal(Goal(0.385, 0.0, 0.0), settings=replace(SETTINGS, narrow_ways=narrow_ways))
     while robot.pose.x < 0.3:
         robot.tick()
     robot.believed = Integrity(State.CERTAIN, 0.04, 0.02)
     robot.go(30)
-    if narrow_ways == "slow":
+    if narrow_ways == "told":
         assert robot.status.state == "arrived"
         return
     assert robot.status.state == "failed"

