@@ -105,10 +105,10 @@ def _way_there(space: FreeSpace, approach: Approach, planning: Planning) -> Time
     except NoWayError as error:
         if roomy is space:
             raise
+        legs = planning.planner(space, start, end)  # where no way leads at all, it says why
         narrow = f"its way keeps no {bound:.0f} mm from walls, to which its place is known"
         if refuses:
             raise NoWayError(narrow) from error
-        legs = planning.planner(space, start, end)
     if not legs:
         return None
     return replace(planning.timed(space, legs), bound=roomy.kept, narrow=narrow)

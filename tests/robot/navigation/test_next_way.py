@@ -65,3 +65,10 @@ def test_a_passage_narrower_than_the_bound_is_told_or_refused() -> None:
     known_better = way_to(strict_space, replace(approach, bound=0.015), STRICT)
     assert known_better is not None
     assert known_better.narrow == ""
+
+
+def test_where_no_way_leads_at_all_that_is_the_reason_also_where_narrow_ones_are_refused() -> None:
+    strict_space = FreeSpace.of(FIELD, OUTLINE, STRICT.settings)
+    beyond = Approach(Pose2(), Goal(0.5, 0.0, 0.0), bound=0.03)
+    with pytest.raises(NoWayError, match="would stand on a wall"):
+        way_to(strict_space, beyond, STRICT)
