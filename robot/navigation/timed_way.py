@@ -63,6 +63,11 @@ class TimedWay:
         return float(self.times[-1]) if self.loop is None else math.inf
 
     @property
+    def rest_s(self) -> float:
+        """How long it stands between its legs [s]."""
+        return REST_S * (len(self._rests) - 1)
+
+    @property
     def lap_points(self) -> Array:
         """(n, 2) the way [m], and of a loop one lap."""
         shown = self.times <= (self.times[-1] if self.loop is None else self.loop[1])

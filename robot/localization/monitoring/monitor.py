@@ -55,6 +55,9 @@ only, now this way and now that [s]: some pictures may come late, or wheels slip
 and twice: 99.5 and 98.8 % certain instead of 99.1 of a robot that drives to goals, and none
 misleads (``evaluate navigation --map town --seeds 1 --first-seed 7710 --goals 10``, which stood for
 0.25 s at each goal); with no bound at all 82.6 %."""
+NARROWS = 0.5
+"""The variances of a pose that a step is judged by fall to no less than this share from one picture
+to the next: a pose that few rays of one picture made exact is not that sure yet."""
 TURN_SLIPS = 0.2
 """Share of a turn that slipping wheels explain, as long as wheels hardly slipped before. Half:
 nothing changes; twice: while pictures come 90 ms late all at once, 26 % are certain and wrong."""
@@ -145,6 +148,8 @@ class Monitor:
         self._slip.restart()
         self._last: tuple[Hypothesis, Pose2] | None = None
         """Hypothesis and odometry of the last scan."""
+        self._variances = np.zeros(3)
+        """Variances of the last poses, which narrow by and by [m², m², rad²]."""
         self._torn = self._slips = self._sways = False
         """Whether the steps of the pose do not agree with odometry; whether it is slip; and whether
         they differ in heading only, and do not last."""
@@ -243,6 +248,8 @@ class Monitor:
             self._slip.observe(hypothesis.pose, moved, offset, seen, elapsed)
         self._fit.observe(self._evidence, rays, hypothesis.pose, expected)
         self._last = hypothesis, odometry
+        newest = hypothesis.covariance.diagonal()
+        self._variances = np.maximum(newest, NARROWS * self._variances)
         # At a wrong place, nothing can be learnt about the robot's errors.
         trusted = hypothesis.weight > ONLY_PLACE and self._fit.fits and used > EXPLAINED * returned
         if trusted:
@@ -318,7 +325,7 @@ class Monitor:
             return False
         last, _ = self._last
         moved, offset = last.pose.inverse() @ expected, expected.inverse() @ hypothesis.pose
-        variances = (last.covariance + hypothesis.covariance).diagonal()
+        variances = self._variances + hypothesis.covariance.diagonal()
         way = SLIPS * math.hypot(moved.x, moved.y) + SPREADS * math.hypot(*np.sqrt(variances[:2]))
         # Wheels that slip already may turn the robot by more from one picture to the next.
         loose = max(float(self._odometry.errors.rest[2]), 1.0)

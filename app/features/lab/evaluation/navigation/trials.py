@@ -24,12 +24,13 @@ from robot.fields.field_loading import load_field
 from robot.geometry import Array, Pose2
 from robot.interface import RepositionableRobot
 from robot.navigation.free_space import FreeSpace
-from robot.navigation.legs import WayLeg
+from robot.navigation.goal import Goal
 from robot.navigation.navigation_status import NavigationStatus
+from robot.navigation.next_way import Approach, Planning, way_to
 from robot.navigation.planners import find_way
 from robot.navigation.planning import NoWayError
 from robot.navigation.settings import NavigationSettings
-from robot.navigation.timed_way import REST_S, Limits, timed
+from robot.navigation.timed_way import Limits
 
 TRIALS = ("goals", "pushed", "carried", "scattered", "figure-eight", "open-loop")
 """What is tried: random goals one after the other; the same, pushed by 0.2 m on the way, or carried
@@ -108,7 +109,7 @@ class NavigationTrial:
     def journey(self, number: int) -> Row:
         """Drive to one random goal, and return what was seen of it."""
         start = self.truth
-        goal, legs = self._goal(start)
+        goal = self._goal(start)
         if goal is None:
             return {
                 "number": number,
@@ -116,7 +117,7 @@ class NavigationTrial:
                 "reason": "none was found",
                 "room_m": None,
             }
-        fastest = self._fastest(legs)
+        fastest = self._fastest(goal)
         moved = self._moves_at(fastest)
         self._room = math.inf
         message = GoalMessage(x=goal.x, y=goal.y, theta=goal.theta)
@@ -178,17 +179,13 @@ class NavigationTrial:
             "moved": False,
         }
 
-    def _goal(self, start: Pose2) -> tuple[Pose2 | None, tuple[WayLeg, ...]]:
-        """Return a goal that there is a way to, and this way; None if none was found."""
+    def _goal(self, start: Pose2) -> Pose2 | None:
+        """Return a goal that there is a way to; None if none was found."""
         for _ in range(TRIES):
             goal = self._free_pose()
-            if goal.distance_to(start) < SHORTEST_M:
-                continue
-            try:
-                return goal, find_way(self.free, start, goal)
-            except NoWayError:
-                continue
-        return None, ()
+            if goal.distance_to(start) >= SHORTEST_M and self._has_way(start, goal):
+                return goal
+        return None
 
     def _free_pose(self) -> Pose2:
         xmin, ymin, xmax, ymax = self.field.drive_area
@@ -199,17 +196,21 @@ class NavigationTrial:
                 return pose
         return self.field.start
 
-    def _fastest(self, legs: tuple[WayLeg, ...]) -> float:
-        """Return the time of the fastest drive along legs within the limits [s]."""
-        if not legs:
-            return 0.0
+    def _fastest(self, goal: Pose2) -> float:
+        """Return the time [s] of the fastest drive within the limits along the way it takes."""
         kinematics = self.engine.controls.driving.kinematics
         wheels = (kinematics.left, kinematics.right)
         rim = min(
             kinematics.spec.joints[each].max_velocity * kinematics.radii[each] for each in wheels
         )
         limits = _all_of(self.config.drive, self.settings, float(rim), kinematics.track)
-        return timed(legs, limits).duration - REST_S * (len(legs) - 1)
+        start, bound = self.now.pose or self.truth, self.now.integrity.radius
+        approach = Approach(start, Goal(*goal.to_array().tolist()), bound=bound)
+        try:
+            way = way_to(self.free, approach, Planning(find_way, self.settings, limits))
+        except NoWayError:
+            return 0.0
+        return 0.0 if way is None else way.duration - way.rest_s
 
     def _moves_at(self, fastest: float) -> float | None:
         if self.trial not in PUSH_M:
