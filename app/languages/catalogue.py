@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gettext
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -32,15 +31,6 @@ class Catalogue:
     def t(self, text: str, /, **values: object) -> str:
         """Return a text with ``{names}`` replaced by values, in this language."""
         return _filled(self.texts.get(text, (text,))[0], values, self.point)
-
-    def tn(self, singular: str, plural: str, count: int, /, **values: object) -> str:
-        """Return the form of a text that fits a count, which is ``{count}`` in it."""
-        forms = self.texts.get(singular)
-        if forms is None:
-            text = singular if count == 1 else plural
-        else:
-            text = forms[gettext.c2py(self.plural)(count)]
-        return _filled(text, {"count": count, **values}, self.point)
 
     def translated(self, text: str) -> str:
         """Return in this language what the program tells in English, as an error's message.

@@ -15,7 +15,7 @@ TELLING = ("HTTPException", "fail", "note", "report", "setting")
 LAST_NAME = re.compile(r"([A-Za-z_]\w*)\W*$")
 
 
-def texts_of_module(path: Path, errors: bool, all_of_it: bool) -> Iterator[str | tuple[str, str]]:
+def texts_of_module(path: Path, errors: bool, all_of_it: bool) -> Iterator[str]:
     """Yield a module's texts: what is marked, and if asked messages of errors, or every sentence.
 
     An f-string is a text with a place for each of its values, as ``templates.py`` finds it again.
@@ -28,9 +28,7 @@ def texts_of_module(path: Path, errors: bool, all_of_it: bool) -> Iterator[str |
         if not isinstance(node, ast.Call):
             continue
         name = _called(node)
-        if name == "tn" and len(node.args) > 1:
-            yield _literal(node.args[0]), _literal(node.args[1])
-        elif name == "phrase" or (name == "t" and isinstance(node.func, ast.Attribute)):
+        if name == "phrase" or (name == "t" and isinstance(node.func, ast.Attribute)):
             yield from _texts_in(node.args[:1])
         elif errors and (name in TELLING or name.endswith("Error")):
             yield from (each for each in _texts_in(node.args) if " " in each)
@@ -49,12 +47,6 @@ def _called(node: ast.Call) -> str:
     if isinstance(node.func, ast.Name):
         return node.func.id
     return node.func.attr if isinstance(node.func, ast.Attribute) else ""
-
-
-def _literal(node: ast.expr) -> str:
-    if isinstance(node, ast.Constant) and isinstance(node.value, str):
-        return node.value
-    raise ValueError(f"{ast.unparse(node)} is no text that can be found: write it out")
 
 
 def _texts_in(nodes: Iterable[ast.expr]) -> Iterator[str]:

@@ -37,6 +37,30 @@ def test_forced_colours_keep_every_state(browser, server):
         assert "gradient" in page.locator("#map .swatch.truth").evaluate(image)
 
 
+def test_plurals_follow_the_languages_rule(browser, server):
+    polish = {
+        "language": "pl",
+        "plural": "n==1 ? 0 : n%10>=2 && n%10<=4 && (n%100<10 || n%100>=20) ? 1 : 2",
+        "point": ",",
+        "texts": {"{count} ray": ["{count} promień", "{count} promienie", "{count} promieni"]},
+    }
+    wanted = ["1 promień", "2 promienie", "5 promieni", "22 promienie"]
+    for language, told in {"en": ["1 ray", "2 rays", "5 rays", "22 rays"], "pl": wanted}.items():
+        page = browser.new_page()
+        page.route("**/api/language/pl.json", lambda route: route.fulfill(json=polish))
+        page.goto(f"{server.url}/api/health")
+        forms = page.evaluate(
+            """async (language) => {
+                document.documentElement.lang = language;
+                const { tn } = await import("/static/page/language.js");
+                return [1, 2, 5, 22].map((n) => tn("{count} ray", "{count} rays", n));
+            }""",
+            language,
+        )
+        page.close()
+        assert forms == told
+
+
 def test_on_a_phone_all_targets_are_as_large_as_a_thumb(browser, server):
     for page in opened(browser, server, width=390, height=844, view=False, has_touch=True):
         for tab in ("Camera", "Map", "Filter"):

@@ -57,7 +57,8 @@ misleads (``evaluate navigation --map town --seeds 1 --first-seed 7710 --goals 1
 0.25 s at each goal); with no bound at all 82.6 %."""
 NARROWS = 0.5
 """The variances of a pose that a step is judged by fall to no less than this share from one picture
-to the next: a pose that few rays of one picture made exact is not that sure yet."""
+to the next: a pose that few rays of one picture made exact is not that sure yet. Half: nothing
+changes; twice, so that they never fall: 99 % of the errors within 40 instead of 38 mm."""
 TURN_SLIPS = 0.2
 """Share of a turn that slipping wheels explain, as long as wheels hardly slipped before. Half:
 nothing changes; twice: while pictures come 90 ms late all at once, 26 % are certain and wrong."""
