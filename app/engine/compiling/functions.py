@@ -22,7 +22,7 @@ from robot.localization.scan_matching import ScanMatcher
 
 _F1, _F2, _F3 = float64[::1], float64[:, ::1], float64[:, :, ::1]
 _I1, _I2 = int64[::1], int64[:, ::1]
-_STEPS = Named((_F2, _F1, _F2, _F1, _F1, _F1, _F1, _F1), StepSums)
+_STEPS = Named((_F2, _F1, _F3, _F2, _F1, _F1, _F1, _F1), StepSums)
 _UNSEEN = Named((uint8[:, ::1], float64, float64, float64), UnseenFloor)
 _TWO, _THREE, _FOUR = UniTuple(float64, 2), UniTuple(float64, 3), UniTuple(float64, 4)
 
@@ -104,7 +104,7 @@ FUNCTIONS: tuple[Compiled, ...] = (
     ),
     Compiled(
         "robot.localization.monitoring.step_sums.add_step",
-        (_STEPS, _F1, _F1, _F1, _F1, _TWO, _TWO, _F2, _F2, float64, float64, boolean),
+        (_STEPS, _F1, _F1, _F1, _TWO, _TWO, _F2, _F2, float64, float64, boolean),
     ),
     Compiled(
         "robot.localization.kernels.ray_sums.sum_over_rays",

@@ -122,7 +122,7 @@ class OdometryCheck:
     def __init__(self, errors: SteadyErrors = USUAL) -> None:
         """Begin with how large the errors may be."""
         self._steps: deque[_Step] = deque()
-        empty = (np.zeros(size) for size in (7, (7, 7), 7, 3, 3, 3, 2))
+        empty = (np.zeros(size) for size in (7, (3, 7, 7), (3, 7), 3, 3, 3, 2))
         self._sums = StepSums(np.diag(errors.odometry**-2), *empty)
         self._known: _Step | None = None
         """The last pose that was known well: steps from it show what came while nothing was seen.
@@ -147,8 +147,8 @@ class OdometryCheck:
 
     @property
     def agrees(self) -> bool:
-        """Whether wheels hardly slip: those that slip already may do so more, or less."""
-        return float(self.errors.rest.max()) <= AGREEING
+        """Whether steps show that wheels hardly slip; those that slip may do so more, or less."""
+        return self.errors.steps > 0 and float(self.errors.rest.max()) <= AGREEING
 
     def jump(self) -> None:
         """Forget earlier poses, because no step leads from them to the next one."""
@@ -224,7 +224,6 @@ class OdometryCheck:
         result = add_step(
             self._sums,
             errors.values,
-            errors.rest,
             (before.odometry.inverse() @ after.odometry).to_array(),
             (before.pose.inverse() @ after.pose).to_array(),
             (before.twist.v, before.twist.omega),

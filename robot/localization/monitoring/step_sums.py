@@ -36,9 +36,10 @@ class StepSums(NamedTuple):
     prior_pull: Array
     """(7,) that information times the errors before any step."""
     information: Array
-    """(7, 7) information on the errors by the steps."""
+    """(3, 7, 7) information on the errors by the steps ahead, aside and in heading, if these have
+    their usual spreads."""
     pull: Array
-    """(7,) information times errors."""
+    """(3, 7) information times errors."""
     left: Array
     """(3,) unexplained rest of the last seconds' steps [m, m, rad], as far as poses were known."""
     evidence: Array
@@ -53,7 +54,6 @@ class StepSums(NamedTuple):
 def add_step(
     sums: StepSums,
     values: Array,
-    rest: Array,
     moved: Array,
     went: Array,
     first: tuple[float, float],
@@ -69,7 +69,6 @@ def add_step(
     Args:
         sums: sums over the steps before; they are updated.
         values: the errors (7,) as estimated before.
-        rest: the unexplained rest of steps (3,) before, in spreads.
         moved: the step (3,) by odometry.
         went: the step (3,) by the filter's poses.
         first: v and omega at the step's start [m/s, rad/s].
@@ -104,9 +103,9 @@ def add_step(
     unsteady = (left - sums.left / (sums.evidence + 1)) ** 2 / variance
     if not settled:
         unsteady[:2] = np.minimum(unsteady[:2], 1.0)
-    # While wheels slip, steps say less about the steady errors.
-    wide = variance * np.maximum(rest**2, 1.0)
-    weights = share / (wide * (1 + unsteady / TAIL))
+    weights = share / (variance * (1 + unsteady / TAIL))
+    if not settled:  # a given place is corrected at first, which is no lateness
+        weights[:2] = 0.0
     sums.information[:] *= keep
     sums.pull[:] *= keep
     changes = abs(last[0] - first[0]) > CHANGE_V or abs(last[1] - first[1]) > CHANGE_OMEGA
@@ -129,29 +128,31 @@ def add_step(
 @compiled()
 def forget_lateness(sums: StepSums, value: float, sd: float) -> None:
     """Take lateness as known to a standard deviation only, whatever steps told [s]."""
-    information = sums.information[0, 0]
-    if information > 0:
-        by_others = np.ascontiguousarray(sums.information[0])
-        sums.pull[:] -= by_others * (sums.pull[0] / information)
-        sums.information[:] -= outer(by_others, by_others) / information
+    for axis in range(3):
+        known = sums.information[axis, 0].copy()
+        if known[0] > 0:
+            sums.pull[axis] -= known * (sums.pull[axis, 0] / known[0])
+            sums.information[axis] -= outer(known, known) / known[0]
     sums.prior[0, 0], sums.prior_pull[0] = 1 / sd**2, value / sd**2
 
 
 @compiled()
 def _add(sums: StepSums, columns: Array, offset: Array, weights: Array) -> None:
     """Add the information of a step (3,) on the errors, by its columns (3, 7)."""
-    weighed = np.ascontiguousarray(columns.T * weights)
-    sums.information[:] += weighed @ columns
-    sums.pull[:] += weighed @ offset
+    for axis in range(3):
+        sums.information[axis] += outer(weights[axis] * columns[axis], columns[axis])
+        sums.pull[axis] += weights[axis] * offset[axis] * columns[axis]
 
 
 @compiled()
 def estimate_errors(sums: StepSums) -> tuple[Array, Array, Array]:
     """Return the errors (7,), their covariance (7, 7), and the unexplained rest of steps (3,)."""
-    covariance = inverse(sums.information + sums.prior)
     # The sums begin as if one usual step came before all others.
     rest = np.sqrt((sums.squares + 1) / (sums.counts[1] + 1))
-    return covariance @ (sums.pull + sums.prior_pull), covariance, rest
+    # While wheels slip, steps say less about the steady errors, also those before that shows.
+    worth = 1 / np.maximum(rest**2, 1.0)
+    covariance = inverse(sums.prior + (worth.reshape(3, 1, 1) * sums.information).sum(axis=0))
+    return covariance @ (sums.prior_pull + worth @ sums.pull), covariance, rest
 
 
 @compiled()
