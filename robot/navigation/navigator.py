@@ -319,15 +319,15 @@ class Navigator:
         if not self._arrival.stands(tick, pose, trajectory.goal):
             return False
         if self._arrival.has_settled(tick.stamp):
-            self._judge(pose, tick.integrity)
+            self._judge(pose, tick)
         return True
 
-    def _judge(self, pose: Pose2, known: Integrity) -> None:
+    def _judge(self, pose: Pose2, tick: Sensed) -> None:
         """Go on to the next goal, or come again to this one."""
         if self._curve is not None:  # it stands where the curve begins, or beside it
             self.plan_anew()
             return
-        end = self._arrival.judge(pose, self._goal, known)
+        end = self._arrival.judge(pose, self._goal, tick)
         if end is WayEnd.THERE:
             self._next_goal()
         elif end is WayEnd.AGAIN:

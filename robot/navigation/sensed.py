@@ -28,6 +28,8 @@ class Sensed:
     """What it saw last; None before that."""
     places: tuple[Pose2, ...] = ()
     """Where it may be now, by its filter."""
+    spread: float = 0.0
+    """Largest standard deviation of the place [m], by its filter alone."""
 
     @property
     def stands(self) -> bool:

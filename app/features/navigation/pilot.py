@@ -22,6 +22,7 @@ from app.features.own_models.error_messages import running
 from app.languages.marking import phrase
 from app.messages.commands import Command
 from app.settings.config import Config
+from robot.covariance import widest
 from robot.driving.differential_drive import DifferentialDrive
 from robot.errors import BrickPoseError
 from robot.fields.field import Field
@@ -293,8 +294,10 @@ def _tick(reading: Reading, controls: Controls) -> Sensed:
     belief, newest = follower.belief, getattr(follower, "newest", None)
     pose: Pose2 | None = None
     places: tuple[Pose2, ...] = ()
+    spread = 0.0
     if belief is not None:
         pose = belief.pose(odometry.odom_from_robot)
+        spread = widest(belief.estimate.covariance)
         moved = belief.moved(odometry.odom_from_robot)
         places = tuple(each.pose @ moved for each in belief.estimate.hypotheses[:MOST_PLACES])
     return Sensed(
@@ -305,4 +308,5 @@ def _tick(reading: Reading, controls: Controls) -> Sensed:
         odometry.odom_from_robot,
         None if newest is None else Glimpse(newest[1], newest[0]),
         places,
+        spread,
     )
