@@ -42,8 +42,8 @@ JUMP, JUMP_TURN = 0.04, 0.2
 """A pose farther than this from the one that odometry predicts is another place [m], [rad]. Half
 and twice the distance: nothing changes beyond chance."""
 JOLT, JOLT_TURN = 0.006, 0.015
-"""A pose that leaves the one predicted by odometry between two pictures by more than this, and by
-more than its spread and slipping wheels explain, contradicts odometry [m], [rad]. Half of JOLT:
+"""A pose that leaves the one predicted by odometry between two pictures by more than this, and its
+spread, slipping wheels and another view explain, contradicts odometry [m], [rad]. Half of JOLT:
 found again after 1.3 s instead of 1.1; twice: nothing changes of robots that begin scattered, but
 one that knew its place is certain of another for 1.3 s (``--few``; *stub*, seed 9001). Half of
 JOLT_TURN: 22 of 45 000 pictures by robots that know their place contradict (twelve conditions,
@@ -236,7 +236,8 @@ class Monitor:
         )
         far = expected is not None and _is_far(expected, hypothesis.pose)
         # A pose sways by which hardly any edges are seen.
-        self.contradicted = used > 2 * SEEING and self._contradicts(expected, hypothesis)
+        view = self._camera.view_variance(sums, SCALE_SD)
+        self.contradicted = used > 2 * SEEING and self._contradicts(expected, hypothesis, view)
         leapt = far or self.contradicted
         if leapt:
             self._odometry.restart()
@@ -245,12 +246,10 @@ class Monitor:
             self._causes.forget()
         if self._last is not None and expected is not None and not leapt:
             moved, offset = self._last[1].inverse() @ odometry, expected.inverse() @ hypothesis.pose
-            seen = laid.information - HELD
-            self._slip.observe(hypothesis.pose, moved, offset, seen, elapsed)
+            self._slip.observe(hypothesis.pose, moved, offset, laid.information - HELD, elapsed)
         self._fit.observe(self._evidence, rays, hypothesis.pose, expected)
         self._last = hypothesis, odometry
-        newest = hypothesis.covariance.diagonal()
-        self._variances = np.maximum(newest, NARROWS * self._variances)
+        self._variances = np.maximum(hypothesis.covariance.diagonal(), NARROWS * self._variances)
         # At a wrong place, nothing can be learnt about the robot's errors.
         trusted = hypothesis.weight > ONLY_PLACE and self._fit.fits and used > EXPLAINED * returned
         if trusted:
@@ -320,14 +319,14 @@ class Monitor:
         last, before = self._last
         return last.pose @ self.corrected_step(before.inverse() @ odometry)
 
-    def _contradicts(self, expected: Pose2 | None, hypothesis: Hypothesis) -> bool:
-        """Return whether neither odometry nor slip leads to where the robot should be now."""
+    def _contradicts(self, expected: Pose2 | None, hypothesis: Hypothesis, view: float) -> bool:
+        """Return whether neither odometry, slip nor another view leads to where it should be."""
         if expected is None or self._last is None or not self._odometry.settled:
             return False
-        last, _ = self._last
-        moved, offset = last.pose.inverse() @ expected, expected.inverse() @ hypothesis.pose
+        last = self._last[0].pose
+        moved, offset = last.inverse() @ expected, expected.inverse() @ hypothesis.pose
         variances = self._variances + hypothesis.covariance.diagonal()
-        way = SLIPS * math.hypot(moved.x, moved.y) + SPREADS * math.hypot(*np.sqrt(variances[:2]))
+        way = SLIPS * math.hypot(moved.x, moved.y) + SPREADS * math.sqrt(variances[:2].sum() + view)
         # Wheels that slip already may turn the robot by more from one picture to the next.
         loose = max(float(self._odometry.errors.rest[2]), 1.0)
         turn = min(TURN_SLIPS * loose, SLIPS) * abs(moved.theta) + SPREADS * math.sqrt(variances[2])

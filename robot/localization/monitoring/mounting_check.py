@@ -142,9 +142,7 @@ class MountingCheck:
         """Take a significant tilt off the next scans."""
         error = self.error
         tilt = np.array([error.pitch, error.roll])
-        (a, b), (_, d) = error.covariance[:2, :2].tolist()
-        square = d * error.pitch**2 - 2 * b * error.pitch * error.roll + a * error.roll**2
-        sure = square > STANDS_OUT**2 * (a * d - b * b)
+        sure = tilt @ np.linalg.solve(error.covariance[:2, :2], tilt) > STANDS_OUT**2
         wanted = tilt if sure and error.explained > EXPLAINS else np.zeros(2)
         self.applied = self.applied + BLEND * (wanted - self.applied)
 
@@ -152,6 +150,12 @@ class MountingCheck:
         values, covariance, explained, rest = _solve(self._sums, self._rays, self._prior)
         pitch, roll, scale = values.tolist()
         return ApparentErrors(pitch, roll, scale, covariance, explained, rest)
+
+    def view_variance(self, sums: Array, scale_sd: float) -> float:
+        """Return the variance [m²] of how far steady errors move the place by a scan's new view."""
+        changed = (_project_out_pose(sums, self._pose_by_errors)[1] - self._pose_by_errors)[:2]
+        spreads = self.error.covariance + np.diag([0.0, 0.0, scale_sd**2])
+        return float(np.trace(changed @ spreads @ changed.T))
 
     def pose_error(self, scale_sd: float) -> tuple[Array, Array]:
         """Return the error of the last pose by what is not taken off, along the map's axes.
