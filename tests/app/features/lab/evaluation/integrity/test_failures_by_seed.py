@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 from simulators import require_engine
 
 from app.engine.build import build_program
+from app.features.lab.evaluation.drives import record
+from app.features.lab.evaluation.experiment import KNOWN
 from app.features.lab.evaluation.integrity.claims import Claims, follow_claims
 from app.features.lab.evaluation.integrity.drives import carried_drive, lap_drive
 from app.features.lab.evaluation.integrity.measures import longest, misleading, right
 from app.features.lab.evaluation.integrity.mishaps import apply_any_condition, mishap_of
+from app.features.lab.evaluation.runs import follow
 from app.messages.driving_commands import FigureEightCommand
 from app.settings.conditions import apply_condition
 from app.settings.config import Config
@@ -122,6 +126,16 @@ def test_a_turn_that_no_wheels_make_contradicts_odometry(name: str, seed: int) -
     """It was put 2 degrees beside a place that looks alike, and certain there for up to 2.6 s."""
     claims = claims_of(name, "default", "known-carried", seed, engine="mujoco")
     assert not misleading(claims).any()
+
+
+def test_a_second_side_seen_by_an_askew_camera_is_no_contradiction() -> None:
+    """Its place moved by 14 mm as that side came into view, and it doubted for good."""
+    require_engine("mujoco")
+    config = Config(robot="sim", map="square", seed=0, sim=SimSettings(engine="mujoco"))
+    config = apply_condition(config, "as-real")
+    drive = record(config, 4.5)
+    run = follow(drive, config, drive.ticks[0].truth, KNOWN)
+    assert np.hypot(*(run.estimate - run.truth)[:, :2].T).max() < 0.03
 
 
 def test_wheels_that_slip_as_it_starts_are_no_late_pictures() -> None:
