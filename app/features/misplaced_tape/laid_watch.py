@@ -162,7 +162,9 @@ class LaidWatch(PlaceWatch):
             memory.search = None
             memory.recent.clear()
         elif search.failed:
+            # It was moved: a search from a place a moment later would hide that in its covariance.
             memory.search = None
+            memory.recent.clear()
 
 
 def tape_watches(config: Config, floor: Field) -> Sequence[PlaceWatch]:
