@@ -101,7 +101,7 @@ class Arrival:
             # What it sees at the goal leads elsewhere than what it saw on its way, each time.
             if distance > MISSED_SDS * tick.spread or turned > settings.yaw_goal_tolerance:
                 return WayEnd.BESIDE
-            self.vagueness = self.vagueness or _known_to(math.ceil(1000 * distance))
+            self.vagueness = self.vagueness or _vague_place(tick.integrity)
             return WayEnd.THERE
         self._corrections += 1
         return WayEnd.AGAIN
@@ -121,15 +121,15 @@ class Arrival:
 def _vagueness(goal: Goal, known: Integrity) -> str:
     """Return in words what a robot does not know well at its goal; empty if it knows all."""
     if known.radius > VAGUE_M:
-        return _known_to(10 * math.ceil(100 * known.radius))
+        return _vague_place(known)
     if known.heading_bound > VAGUE_RAD and goal.theta is not None:
         degrees = math.ceil(math.degrees(known.heading_bound))
         return f"its heading is known to {degrees} degrees only"
     return ""
 
 
-def _known_to(radius: int) -> str:
-    return f"its place is known to {radius} mm only"
+def _vague_place(known: Integrity) -> str:
+    return f"its place is known to {10 * math.ceil(100 * known.radius)} mm only"
 
 
 def _beside(pose: Pose2, goal: Goal) -> tuple[float, float]:

@@ -1,4 +1,4 @@
-"""A correction of a pose that few rays made exact is no doubt, and what other robots did."""
+"""A correction of a pose that few rays made exact is no doubt: a journey by its seed."""
 
 from __future__ import annotations
 
