@@ -201,9 +201,10 @@ class Liar:
 @pytest.mark.slow
 @pytest.mark.parametrize("number", range(1, 11))
 def test_a_forged_result_is_told_and_not_stumbled_over(number: int) -> None:
+    """Each pair of values is tried in a fourth of the lessons: one takes 0.1 s."""
     lesson = lesson_of(number)
     pairs = [{"parts": [first, second]} for first in FORGED for second in FORGED]
-    for value in [*FORGED, *pairs]:
+    for value in [*FORGED, *pairs[number % 4 :: 4]]:
         liar: Any = Liar(lesson.checks.functions, value)
         with np.errstate(all="ignore"):
             assert list(_findings(liar, lesson, 3, lesson.checks, FileClock(ARRAYS))), value
