@@ -167,6 +167,7 @@ class Localization(Follower):
 
     def take(self, scan: Scan, pose: Pose2) -> None:
         """Update the filter with a scan, and the odometry's pose at its stamp."""
+        self._monitor.of_clearing = np.zeros((3, 3))
         for models in self.added:
             scan = models.cleared(scan, pose)
             models.advise(self._monitor)

@@ -11,14 +11,14 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from enum import Enum
 
-import numpy as np
-
-from robot.geometry import Array, Pose2, Twist2
+from robot.geometry import Pose2, Twist2
 from robot.scan import Scan
-from robot.scan_checks.overlay import FEWEST, misfit, near_points
+from robot.scan_checks.lateness_filter import LatenessFilter
+from robot.scan_checks.overlay import near_points
+from robot.scan_checks.timed_tape import RecentPath, TimedTape
 
 STRIDE = 0.02
 """Tape is compared after each such way [m]."""
@@ -26,13 +26,15 @@ ARM = 0.1
 """A turn counts as a way at this distance [m]."""
 LONGEST = 1.0
 """After a longer time without a scan, or one that runs back, comparing begins anew [s]."""
-OFF, LIES = 0.005, 0.0015
-"""Tape is off by more than this if a picture is late, and by less than this with its lateness [m].
+OFF, GLIMPSED, LIES, REST = 0.005, 0.003, 0.0015, 0.35
+"""Tape is off by more than OFF if a picture is late, or than GLIMPSED before the robot has driven a
+whole stride [m]. With its lateness it is off by less than LIES [m], or than that share of it, REST.
 """
-LEAST, LATEST, STEP = 0.025, 0.2, 0.01
-"""Smallest and largest change of lateness that is looked for, and the steps of the search [s]."""
-SWINGS, WITHIN = 3, 2.5
-"""Pictures are late by turns if lateness swings so often within this time [s]."""
+LEAST = 0.025
+"""Smallest change of lateness that is believed [s]."""
+SWINGS, WITHIN, LASTS = 3, 2.5, 10.0
+"""Pictures are late by turns if lateness swings so often, to and fro, within this time [s]; and are
+taken for such until they have not done so for LASTS [s]."""
 CONFIRMED, CHANGE = 2, 0.05
 """Lateness has changed for good if so many comparisons after that find it as it is then; a smaller
 change [s] may be a wheel that has slipped for a moment."""
@@ -48,21 +50,6 @@ class Habit(Enum):
     BY_TURNS = "by turns"
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Seen:
-    stamp: float
-    odometry: Pose2
-    twist: Twist2
-    points: Array
-    """(n, 2) [m], in the robot's frame when the picture was taken."""
-    late: float = 0.0
-    """How much earlier it was taken than its stamp says [s]."""
-
-    def taken_at(self, late: float) -> Pose2:
-        """Return where odometry was when the picture was taken, if it was as late as this [s]."""
-        return self.odometry @ self.twist.integrate(-late)
-
-
 class Punctuality:
     """Follows how late pictures are, beside how late they were at first."""
 
@@ -74,90 +61,129 @@ class Punctuality:
         """When that was [s]."""
         self.doubted = False
         """Whether the newest picture seems later, or earlier, than those before."""
-        self._late = 0.0
-        """How late pictures usually are [s]."""
+        self.usual = 0.0
+        """How much later than the first ones pictures usually come [s]."""
+        self.by_turns = LatenessFilter()
+        """Of pictures that come late by turns."""
+        self._path = RecentPath()
+        self._newest: TimedTape | None = None
+        self._anchor: TimedTape | None = None
+        """The picture with which others are compared."""
         self._last: tuple[float, Pose2] | None = None
-        self._anchor: _Seen | None = None
         self._swings: deque[tuple[float, float]] = deque()
         """Stamps of the last changes, and by how much lateness grew [s]."""
         self._pending: float | None = None
         """Lateness that waits for comparisons that find it again [s]."""
         self._fitting = 0
+        self._grown = 0.0
+        """By how much later than those before the newest picture seems to be, if it is doubted [s].
+        """
         self._distrusted = -math.inf
         """Until when no change is believed [s]."""
 
+    @property
+    def unsure(self) -> float:
+        """By how much the newest picture may be later or earlier than reckoned, 1 sd [s].
+
+        Of a change that waits to be confirmed it is all of the change.
+        """
+        if self.habit is Habit.BY_TURNS:
+            return self.by_turns.sd
+        return max(abs(self._assumed - self.usual), abs(self._grown))
+
+    def since(self, late: float) -> Pose2:
+        """Return where the robot was when the newest picture was taken, seen from its stamp.
+
+        Args:
+            late: how much earlier than its stamp that was [s].
+        """
+        newest = self._newest
+        return newest.odometry.inverse() @ newest.taken_at(late) if newest else Pose2()
+
     def add(self, scan: Scan, odometry: Pose2) -> None:
         """Add a scan, and odometry at its stamp."""
-        self.doubted = False
+        self.doubted, self._grown = False, 0.0
         last, self._last = self._last, (scan.stamp, odometry)
         elapsed = math.inf if last is None else scan.stamp - last[0]
         if last is None or not 0 < elapsed < LONGEST:
-            self._anchor = None
+            self._anchor = self._newest = None
+            self._path.clear()
             return
         step = last[1].inverse() @ odometry
         way = math.copysign(math.hypot(step.x, step.y), step.x)
         twist = Twist2(way / elapsed, step.theta / elapsed)
-        seen = _Seen(scan.stamp, odometry, twist, near_points(scan))
-        anchor = self._anchor
-        if anchor is None or min(len(seen.points), len(anchor.points)) < FEWEST:
-            self._anchor = replace(seen, late=self._assumed)
+        seen = TimedTape(self._path.add(scan.stamp, odometry), twist, near_points(scan))
+        self._newest = seen
+        if self.habit is Habit.BY_TURNS:
+            self.by_turns.add(seen)
+            if scan.stamp > self.changed + LASTS:
+                self._doubt(self.by_turns.late)
+                self.habit = Habit.PUNCTUAL
+        self._compare(seen)
+
+    def _compare(self, seen: TimedTape) -> None:
+        anchor, late = self._anchor, self._assumed
+        if anchor is None or not seen.can_be_laid_on(anchor):
+            self._anchor = replace(seen, late=late)
         elif _is_stride(anchor, seen):
-            late = self._assumed
-            if _error(anchor, seen, late) < OFF:
+            if seen.error(anchor, late) < OFF:
                 self._confirm(seen.stamp)
             else:
                 late = self._change(anchor, seen)
             self._anchor = replace(seen, late=late)
+        elif self._pending is None and seen.error(anchor, late) > GLIMPSED:
+            other = self._search(anchor, seen)
+            if other is not None:
+                self._doubt(other - anchor.late)
 
     @property
     def _assumed(self) -> float:
         """Lateness that the next picture should have [s]."""
-        return self._late if self._pending is None else self._pending
+        return self.usual if self._pending is None else self._pending
+
+    def _doubt(self, grown: float) -> None:
+        self.doubted, self._grown = True, grown
 
     def _confirm(self, stamp: float) -> None:
         if self._pending is None:
             return
         self._fitting += 1
         if self._fitting >= CONFIRMED:
-            swings = self.habit is Habit.BY_TURNS and stamp - self.changed < WITHIN
-            if abs(self._pending - self._late) > CHANGE and not swings:
+            grown = self._pending - self.usual
+            if abs(grown) > CHANGE and self.habit is not Habit.BY_TURNS:
                 self.habit, self.changed = Habit.LATER, stamp
-            self._late, self._pending = self._pending, None
+                self._doubt(grown)  # from this picture on it is reckoned with
+            self.usual, self._pending = self._pending, None
 
-    def _change(self, before: _Seen, after: _Seen) -> float:
+    def _search(self, before: TimedTape, after: TimedTape) -> float | None:
+        """Return another lateness of a picture [s] that lays its tape on that before."""
+        late, error = after.search(before)
+        lies = error <= max(LIES, REST * after.error(before, self._assumed))
+        believed = abs(late - before.late) >= LEAST and after.stamp >= self._distrusted
+        return late if lies and believed else None
+
+    def _change(self, before: TimedTape, after: TimedTape) -> float:
         """Look for another lateness of a picture; return what it is taken for [s]."""
-        late, error = _search(before, after)
-        grown = late - before.late
-        if error > LIES or abs(grown) < LEAST or after.stamp < self._distrusted:
+        late = self._search(before, after)
+        if late is None:
             self._pending = None
-            return self._late
+            return self.usual
+        grown = late - before.late
         if self._pending is not None and grown * self._swings[-1][1] > 0:  # as wheels slip
             self._pending, self._distrusted = None, after.stamp + DISTRUST
             self._swings.clear()
-            return self._late
-        self._pending, self._fitting, self.doubted = late, 0, True
+            return self.usual
+        self._pending, self._fitting = late, 0
+        self._doubt(grown)
         self._swings.append((after.stamp, grown))
         while after.stamp - self._swings[0][0] > WITHIN:
             self._swings.popleft()
-        if len(self._swings) >= SWINGS:
+        to_and_fro = len({grown > 0 for _, grown in self._swings}) == 2
+        if len(self._swings) >= SWINGS and to_and_fro:
             self.habit, self.changed = Habit.BY_TURNS, after.stamp
         return late
 
 
-def _is_stride(before: _Seen, after: _Seen) -> bool:
+def _is_stride(before: TimedTape, after: TimedTape) -> bool:
     step = before.odometry.inverse() @ after.odometry
     return math.hypot(step.x, step.y) + ARM * abs(step.theta) > STRIDE
-
-
-def _error(before: _Seen, after: _Seen, late: float) -> float:
-    """Return how far the tape of a picture that is as late as this [s] is off that before [m]."""
-    motion = before.taken_at(before.late).inverse() @ after.taken_at(late)
-    return misfit(before.points, motion, after.points)
-
-
-def _search(before: _Seen, after: _Seen) -> tuple[float, float]:
-    """Return the lateness of a picture [s] that lays its tape on that before, and its error [m]."""
-    tried = before.late + np.arange(-LATEST, LATEST + STEP / 2, STEP)
-    errors = [_error(before, after, late) for late in tried.tolist()]
-    best = int(np.argmin(errors))
-    return float(tried[best]), errors[best]

@@ -82,7 +82,7 @@ class LaidWatch(PlaceWatch):
 
     def advise(self, monitor: Monitor) -> None:
         """Widen what is claimed; before the first scan that is corrected, tape misled."""
-        monitor.of_clearing = self.unsure
+        monitor.of_clearing += self.unsure
         if self.memory.is_new:
             monitor.forget()
 

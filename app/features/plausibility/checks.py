@@ -84,8 +84,8 @@ class PlausibilityChecks(AddedModels):
 
     def advise(self, monitor: Monitor) -> None:
         """Let lateness be in doubt if the newest scan comes later, or earlier, than others."""
-        if self.memory.motion is not None and self.memory.motion.lateness_doubted:
-            monitor.doubt_lateness()
+        if self.memory.motion is not None:
+            self.memory.motion.advise(monitor)
 
     def look_at_place(self, state: State, places: Sequence[Pose2], odometry: Pose2) -> None:
         """Look whether the robot was found elsewhere than its wheels led; as ``Displacement``."""
@@ -116,6 +116,7 @@ class PlausibilityChecks(AddedModels):
             memory.motion = MotionChecks(self._track)
         if memory.motion is not None:
             memory.motion.add(scan, odometry)
+            return memory.motion.on_time(scan)
         return scan
 
 

@@ -2,15 +2,24 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
+
+import numpy as np
+
 from app.languages.marking import phrase
-from robot.geometry import Pose2
+from robot.geometry import Array, Pose2
 from robot.localization.estimate import Alert, Cause
+from robot.localization.monitoring.monitor import Monitor
 from robot.scan import Scan
 from robot.scan_checks.plug_check import PlugCheck, Plugs
 from robot.scan_checks.punctuality import Habit, Punctuality
 
 SHOWN = 3.0
 """That pictures come late is said for so long after it was last found [s]."""
+FADES = 0.9
+"""That a pose may be off, as pictures may be late, fades by this share a picture [of a variance].
+"""
 HABITS = {
     Habit.LATER: phrase("pictures come late, or later than before"),
     Habit.BY_TURNS: phrase("pictures come late by turns: is the computer or the network busy?"),
@@ -40,6 +49,15 @@ class MotionChecks:
         """
         self._plugs = PlugCheck(track)
         self._punctuality = Punctuality()
+        self._by_turns = False
+        """Whether it is reckoned with that each picture is late on its own."""
+        self._later = self._usual = 0.0
+        """How much later than the first ones pictures come otherwise, as believed, and as seen [s].
+        """
+        self._changed = -math.inf
+        """Stamp at which that last changed [s]."""
+        self._unsure = np.zeros((3, 3))
+        """By how much the newest scans may lead elsewhere, as they may be late [m², rad²]."""
 
     def add(self, scan: Scan, odometry: Pose2) -> None:
         """Add a scan, and odometry at its stamp."""
@@ -47,9 +65,55 @@ class MotionChecks:
         self._punctuality.add(scan, odometry)
 
     @property
-    def lateness_doubted(self) -> bool:
-        """Whether the newest picture comes later, or earlier, than those before."""
-        return self._plugs.plugs is Plugs.RIGHT and self._punctuality.doubted
+    def _late(self) -> float:
+        """By how much the newest picture is reckoned to be late [s]."""
+        # None is earlier than the first ones: wheels may slip for a moment unseen.
+        return self._punctuality.by_turns.late if self._by_turns else max(self._later, 0.0)
+
+    def on_time(self, scan: Scan) -> Scan:
+        """Return the newest scan as seen from where the robot was at its stamp."""
+        if self._plugs.plugs is not Plugs.RIGHT or self._late == 0.0:
+            return scan
+        since = self._punctuality.since(self._late)
+        return replace(scan, robot_from_scan=since @ scan.robot_from_scan)
+
+    def advise(self, monitor: Monitor) -> None:
+        """Let lateness be in doubt if the newest scan comes later, or earlier, than others."""
+        if self._plugs.plugs is not Plugs.RIGHT:
+            return
+        if self._punctuality.doubted and not self._by_turns:
+            monitor.doubt_lateness()
+        self._reckon(monitor)
+        unsure = np.zeros((3, 3))
+        if self._by_turns or monitor.may_be_late:
+            unsure = self._moved_while_unsure()
+        # A pose that was led astray stays so until scans say more.
+        self._unsure = np.maximum(unsure, FADES * self._unsure)
+        monitor.of_clearing += self._unsure
+
+    def _reckon(self, monitor: Monitor) -> None:
+        """Reckon with pictures that come otherwise, unless wheels that slip may be the reason."""
+        punctuality = self._punctuality
+        by_turns = punctuality.habit is Habit.BY_TURNS
+        self._by_turns &= by_turns
+        if punctuality.changed <= self._changed:
+            return
+        self._changed = punctuality.changed
+        if by_turns and not self._by_turns and not monitor.slips:
+            self._by_turns = True
+            monitor.forget()  # what seemed to be errors of wheels and camera was of pictures
+        if not by_turns and monitor.may_be_late:
+            self._later += punctuality.usual - self._usual
+        self._usual = punctuality.usual
+
+    def _moved_while_unsure(self) -> Array:
+        """Return the covariance (3, 3) of a pose whose picture may have been taken at any time."""
+        since, late, unsure = self._punctuality.since, self._late, self._punctuality.unsure
+        if unsure == 0.0:
+            return np.zeros((3, 3))
+        ways = [since(late).inverse() @ since(late + other) for other in (unsure, -unsure)]
+        ahead, aside, turn = np.square([way.to_array() for way in ways]).max(axis=0).tolist()
+        return np.diag([ahead + aside, ahead + aside, turn])
 
     def alerts(self, stamp: float) -> tuple[Alert, ...]:
         """Return what is wrong at a stamp [s]; other plugs make pictures seem late, too."""

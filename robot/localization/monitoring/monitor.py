@@ -14,7 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from robot.geometry import Pose2, heading_angles, turned_covariance
+from robot.geometry import Array, Pose2, heading_angles, turned_covariance
 from robot.localization.estimate import ONLY_PLACE, Cause, Hypothesis
 from robot.localization.monitoring.causes import Causes, Findings
 from robot.localization.monitoring.doubt import NO_DOUBT, Doubt
@@ -151,7 +151,7 @@ class Monitor:
         """Hypothesis and odometry of the last scan."""
         self._variances = np.zeros(3)
         """Variances of the last poses, which narrow by and by [m², m², rad²]."""
-        self._torn = self._slips = self._sways = False
+        self._torn = self.slips = self._sways = False
         """Whether the steps of the pose do not agree with odometry; whether it is slip; and whether
         they differ in heading only, and do not last."""
         self.contradicted = False
@@ -178,9 +178,15 @@ class Monitor:
             hypothesis, pose=hypothesis.pose @ self._odometry.twist.integrate(self.lateness)
         )
 
+    @property
+    def may_be_late(self) -> bool:
+        """Whether pictures may be later or earlier than before: no wheels that slip explain it."""
+        return not self.slips and self._odometry.agrees
+
     def doubt_lateness(self) -> None:
         """Let pictures be later or earlier than before, unless wheels that slip explain it."""
-        if not self._slips and self._odometry.agrees:
+        if self.may_be_late:
+            self._odometry.jump()
             self._odometry.doubt_lateness()
 
     def corrected_step(self, moved: Pose2) -> Pose2:
@@ -237,7 +243,10 @@ class Monitor:
         far = expected is not None and _is_far(expected, hypothesis.pose)
         # A pose sways by which hardly any edges are seen.
         view = self._camera.view_variance(sums, SCALE_SD)
-        self.contradicted = used > 2 * SEEING and self._contradicts(expected, hypothesis, view)
+        covariance = hypothesis.covariance + self.of_clearing
+        unsure = self._variances + covariance.diagonal()
+        unsure[:2] += 0.5 * view
+        self.contradicted = used > 2 * SEEING and self._contradicts(expected, hypothesis, unsure)
         leapt = far or self.contradicted
         if leapt:
             self._odometry.restart()
@@ -249,12 +258,12 @@ class Monitor:
             self._slip.observe(hypothesis.pose, moved, offset, laid.information - HELD, elapsed)
         self._fit.observe(self._evidence, rays, hypothesis.pose, expected)
         self._last = hypothesis, odometry
-        self._variances = np.maximum(hypothesis.covariance.diagonal(), NARROWS * self._variances)
+        self._variances = np.maximum(covariance.diagonal(), NARROWS * self._variances)
         # At a wrong place, nothing can be learnt about the robot's errors.
         trusted = hypothesis.weight > ONLY_PLACE and self._fit.fits and used > EXPLAINED * returned
         if trusted:
             self._camera.observe(sums, used, elapsed)
-            self._odometry.observe(scan.stamp, hypothesis.pose, odometry, hypothesis.covariance)
+            self._odometry.observe(scan.stamp, hypothesis.pose, odometry, covariance)
         else:
             self._odometry.jump()
             self._camera.look(sums)
@@ -279,8 +288,8 @@ class Monitor:
         self.lateness = self._lateness(findings.odometry)
         rest = findings.odometry.rest
         self._torn = float(rest.max()) > TORN
-        self._slips = self._slip.explains(rest, TORN)
-        self._sways = self._torn and not self._slips and float(rest[:2].max()) < USUAL
+        self.slips = self._slip.explains(rest, TORN)
+        self._sways = self._torn and not self.slips and float(rest[:2].max()) < USUAL
         self.doubt = self._doubt(hypothesis.pose, findings)
 
     def watch(self, pose: Pose2, scan: Scan) -> bool:
@@ -319,17 +328,16 @@ class Monitor:
         last, before = self._last
         return last.pose @ self.corrected_step(before.inverse() @ odometry)
 
-    def _contradicts(self, expected: Pose2 | None, hypothesis: Hypothesis, view: float) -> bool:
+    def _contradicts(self, expected: Pose2 | None, hypothesis: Hypothesis, unsure: Array) -> bool:
         """Return whether neither odometry, slip nor another view leads to where it should be."""
         if expected is None or self._last is None or not self._odometry.settled:
             return False
         last = self._last[0].pose
         moved, offset = last.inverse() @ expected, expected.inverse() @ hypothesis.pose
-        variances = self._variances + hypothesis.covariance.diagonal()
-        way = SLIPS * math.hypot(moved.x, moved.y) + SPREADS * math.sqrt(variances[:2].sum() + view)
+        way = SLIPS * math.hypot(moved.x, moved.y) + SPREADS * math.sqrt(unsure[:2].sum())
         # Wheels that slip already may turn the robot by more from one picture to the next.
         loose = max(float(self._odometry.errors.rest[2]), 1.0)
-        turn = min(TURN_SLIPS * loose, SLIPS) * abs(moved.theta) + SPREADS * math.sqrt(variances[2])
+        turn = min(TURN_SLIPS * loose, SLIPS) * abs(moved.theta) + SPREADS * math.sqrt(unsure[2])
         jolt = JOLT_TURN * loose
         return math.hypot(offset.x, offset.y) > JOLT + way or abs(offset.theta) > jolt + turn
 
@@ -349,22 +357,16 @@ class Monitor:
     def _doubt(self, pose: Pose2, findings: Findings) -> Doubt:
         errors = findings.odometry
         mapped = any(alert.cause is Cause.MAP for alert in self._causes.alerts)
-        caused, caused_spread = self._camera.pose_error(SCALE_DOUBTED if mapped else SCALE_SD)
+        caused = self._camera.pose_error(SCALE_DOUBTED if mapped else SCALE_SD)
+        motion = pose.theta, self._odometry.twist.v, self._odometry.twist.omega
         known, unknown = pose_errors(
-            pose.theta,
-            self._odometry.twist.v,
-            self._odometry.twist.omega,
-            errors.values,
-            errors.covariance,
-            self.lateness,
-            caused,
-            caused_spread,
+            *motion, errors.values, errors.covariance, self.lateness, *caused
         )
         known = known + turned_covariance(self._measured, pose.theta)
-        if self._slips or self._causes.alerts:
+        if self.slips or self._causes.alerts:
             unknown = HIDDEN * unknown
         unknown = unknown + self.of_clearing
-        if self._slips:
+        if self.slips:
             unknown = unknown + self._slip.covariance
         elif mapped or float(errors.rest[:2].max()) > USUAL:
             unknown = unknown + LAID
@@ -377,7 +379,7 @@ class Monitor:
     @property
     def _agrees(self) -> bool:
         """Whether the last scans fit, and it is known how far steps may differ from odometry."""
-        return self._fit.fits and (self._slips or self._sways or not self._torn)
+        return self._fit.fits and (self.slips or self._sways or not self._torn)
 
 
 def _is_far(expected: Pose2, pose: Pose2) -> bool:

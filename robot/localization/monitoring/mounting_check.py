@@ -169,12 +169,9 @@ class MountingCheck:
         pitch, roll = self.applied.tolist()
         error = self.error
         left = np.array([error.pitch - pitch, error.roll - roll, error.scale])
-        covariance = error.covariance.copy()
-        covariance[2, 2] += scale_sd**2
-        return (
-            self._pose_by_errors @ left,
-            self._pose_by_errors @ covariance @ self._pose_by_errors.T,
-        )
+        spreads = error.covariance + np.diag([0.0, 0.0, scale_sd**2])
+        caused = self._pose_by_errors
+        return caused @ left, caused @ spreads @ caused.T
 
 
 @compiled()

@@ -60,6 +60,53 @@ def test_the_first_of_them_raises_doubt_before_anything_is_said(late: float) -> 
     assert 5.6 < doubted[0] < 5.6 + late + 0.25
 
 
+def test_how_late_they_usually_are_is_known_and_when_they_are_punctual_again() -> None:
+    punctuality, usual, last = Punctuality(), {}, -np.inf
+    poses = [pose for _, pose in drive(CIRCLE)]
+    for scan, _ in drive(CIRCLE):
+        stamp = scan.stamp + (0.09 if 0.3 < scan.stamp < 5.7 else 0.0)
+        if stamp <= last:
+            continue  # it comes out of order
+        last = stamp
+        place = min(stamp / PERIOD, len(poses) - 1.001)
+        odometry = interpolate(poses[int(place)], poses[int(place) + 1], place % 1)
+        punctuality.add(Scan(stamp, scan.bearings, scan.ranges, scan.robot_from_scan), odometry)
+        usual[scan.stamp] = punctuality.usual
+    assert np.median([late for stamp, late in usual.items() if 1 < stamp < 5.5]) == pytest.approx(
+        0.09, abs=0.02
+    )
+    assert usual[scan.stamp] == pytest.approx(0.0, abs=0.03)
+
+
+@pytest.mark.parametrize(
+    ("first", "apart", "lost"), [(5.4, 0.4, 0.03), (6.6, 0.4, 0.035), (5.4, 0.6, 0.04)]
+)
+def test_jolts_to_one_side_are_no_pictures_that_come_by_turns(
+    first: float, apart: float, lost: float
+) -> None:
+    """A robot that nobody had calibrated was said to see late, as its wheels slipped thrice."""
+    punctuality, odometry = Punctuality(), Pose2()
+    for (scan, pose), (_, after) in pairwise(drive([LEFT] * 180)):
+        punctuality.add(scan, odometry)
+        jolts = np.abs(scan.stamp - first - apart * np.arange(3)).min() < 0.4 * PERIOD
+        odometry = odometry @ pose.inverse() @ after @ LEFT.integrate(-lost if jolts else 0.0)
+    assert punctuality.habit is not Habit.BY_TURNS
+
+
+def test_pictures_that_came_by_turns_are_punctual_after_a_while() -> None:
+    rng, circles = np.random.default_rng(3), [LEFT] * 360
+    said, habit = Punctuality(), []
+    poses = [pose for _, pose in drive(circles)]
+    for number, (scan, _) in enumerate(drive(circles)):
+        stamp = scan.stamp + (rng.choice([0.0, 0.06]) if scan.stamp < 8 else 0.0)
+        place = min(stamp / PERIOD, len(poses) - 1.001)
+        odometry = interpolate(poses[int(place)], poses[int(place) + 1], place % 1)
+        said.add(Scan(stamp, scan.bearings, scan.ranges, scan.robot_from_scan), odometry)
+        habit.append((number * PERIOD, said.habit))
+    assert Habit.BY_TURNS in [each for stamp, each in habit if stamp < 8]
+    assert habit[-1][1] is not Habit.BY_TURNS
+
+
 def test_pictures_that_come_late_by_turns_are_known_for_it() -> None:
     rng = np.random.default_rng(3)
     said = heard(CIRCLE, lambda _: float(rng.choice([0.0, 0.06])))
