@@ -81,9 +81,9 @@ class MotionChecks:
         """Let lateness be in doubt if the newest scan comes later, or earlier, than others."""
         if self._plugs.plugs is not Plugs.RIGHT:
             return
+        self._reckon(monitor)
         if self._punctuality.doubted and not self._by_turns:
             monitor.doubt_lateness()
-        self._reckon(monitor)
         unsure = np.zeros((3, 3))
         if self._by_turns or monitor.may_be_late:
             unsure = self._moved_while_unsure()
@@ -120,6 +120,7 @@ class MotionChecks:
         plugs = self._plugs.plugs
         if plugs is not Plugs.RIGHT:
             return (Alert(Cause.MOTORS, WORDS[plugs]),)
-        if 0 <= stamp - self._punctuality.changed < SHOWN:
-            return (Alert(Cause.PICTURES_LATE, HABITS[self._punctuality.habit]),)
+        habit = self._punctuality.habit
+        if habit in HABITS and 0 <= stamp - self._punctuality.changed < SHOWN:
+            return (Alert(Cause.PICTURES_LATE, HABITS[habit]),)
         return ()
