@@ -86,7 +86,7 @@ class AddedModels:
         """Go on with what was in use before, by the same choice, made with these parameters."""
 
     def cleared(self, scan: Scan, odometry: Pose2) -> Scan:
-        """Return a scan of the tape on the floor, from its stamp's place; ``odometry`` is there."""
+        """Return a scan without what is no tape, as seen at its stamp; ``odometry`` is then."""
         return scan
 
     def advise(self, monitor: Monitor) -> None:

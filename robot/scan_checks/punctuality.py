@@ -56,13 +56,14 @@ class Punctuality:
     def __init__(self) -> None:
         """Begin with punctual pictures."""
         self.habit = Habit.PUNCTUAL
-        """How pictures came when their lateness last changed."""
+        """How pictures come."""
         self.changed = -math.inf
-        """When that was [s]."""
+        """When they last came later, or swung, in a way that was confirmed [s]."""
         self.doubted = False
         """Whether the newest picture seems later, or earlier, than those before."""
         self.usual = 0.0
-        """How much later than the first ones pictures usually come [s]."""
+        """How much later than the first ones pictures seem to come; slipping wheels look alike [s].
+        """
         self.by_turns = LatenessFilter()
         """Of pictures that come late by turns."""
         self._path = RecentPath()
@@ -180,6 +181,8 @@ class Punctuality:
             self._swings.popleft()
         to_and_fro = len({grown > 0 for _, grown in self._swings}) == 2
         if len(self._swings) >= SWINGS and to_and_fro:
+            if self.habit is not Habit.BY_TURNS:
+                self.by_turns = LatenessFilter()
             self.habit, self.changed = Habit.BY_TURNS, after.stamp
         return late
 

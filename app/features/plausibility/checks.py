@@ -83,7 +83,7 @@ class PlausibilityChecks(AddedModels):
         return by_motion
 
     def advise(self, monitor: Monitor) -> None:
-        """Let lateness be in doubt if the newest scan comes later, or earlier, than others."""
+        """Tell what is not known of how late the newest picture is."""
         if self.memory.motion is not None:
             self.memory.motion.advise(monitor)
 
@@ -95,9 +95,11 @@ class PlausibilityChecks(AddedModels):
     def forget_place(self) -> None:
         """Forget where the robot was, as somebody has put it elsewhere."""
         self.memory.displacement = Displacement()
+        if self.memory.motion is not None:
+            self.memory.motion.forget_lateness()
 
     def cleared(self, scan: Scan, odometry: Pose2) -> Scan:
-        """Return a scan as it is, or one that sees nothing if its picture is an old one."""
+        """Return a scan as seen from its stamp's place; one of an old picture sees nothing."""
         memory = self.memory
         memory.stamp = scan.stamp
         moved = memory.pictured is not None and _moved(memory.pictured, odometry)

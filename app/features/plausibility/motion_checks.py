@@ -13,10 +13,13 @@ from robot.localization.estimate import Alert, Cause
 from robot.localization.monitoring.monitor import Monitor
 from robot.scan import Scan
 from robot.scan_checks.plug_check import PlugCheck, Plugs
-from robot.scan_checks.punctuality import Habit, Punctuality
+from robot.scan_checks.punctuality import LEAST, Habit, Punctuality
 
 SHOWN = 3.0
 """That pictures come late is said for so long after it was last found [s]."""
+MUCH_LATER = 0.07
+"""Pictures are reckoned with as later than before if it is by more than this [s]; wheels of a robot
+that nobody calibrated look like some 50 ms for a moment."""
 FADES = 0.9
 """That a pose may be off, as pictures may be late, fades by this share a picture [of a variance].
 """
@@ -52,8 +55,8 @@ class MotionChecks:
         self._by_turns = False
         """Whether it is reckoned with that each picture is late on its own."""
         self._later = self._usual = 0.0
-        """How much later than the first ones pictures come otherwise, as believed, and as seen [s].
-        """
+        """How much later than at first pictures are believed to come otherwise, at least 0, and how
+        much later they seem to come, slipping wheels included [s]."""
         self._changed = -math.inf
         """Stamp at which that last changed [s]."""
         self._unsure = np.zeros((3, 3))
@@ -67,8 +70,7 @@ class MotionChecks:
     @property
     def _late(self) -> float:
         """By how much the newest picture is reckoned to be late [s]."""
-        # None is earlier than the first ones: wheels may slip for a moment unseen.
-        return self._punctuality.by_turns.late if self._by_turns else max(self._later, 0.0)
+        return self._punctuality.by_turns.late if self._by_turns else self._later
 
     def on_time(self, scan: Scan) -> Scan:
         """Return the newest scan as seen from where the robot was at its stamp."""
@@ -77,8 +79,15 @@ class MotionChecks:
         since = self._punctuality.since(self._late)
         return replace(scan, robot_from_scan=since @ scan.robot_from_scan)
 
+    def forget_lateness(self) -> None:
+        """Forget how late pictures come: the robot stands elsewhere, and tape jumped in them."""
+        self._punctuality = Punctuality()
+        self._by_turns, self._later, self._usual = False, 0.0, 0.0
+        self._changed = -math.inf
+        self._unsure = np.zeros((3, 3))
+
     def advise(self, monitor: Monitor) -> None:
-        """Let lateness be in doubt if the newest scan comes later, or earlier, than others."""
+        """Reckon with how late the newest picture is, and tell what is not known of that."""
         if self._plugs.plugs is not Plugs.RIGHT:
             return
         self._reckon(monitor)
@@ -94,6 +103,8 @@ class MotionChecks:
     def _reckon(self, monitor: Monitor) -> None:
         """Reckon with pictures that come otherwise, unless wheels that slip may be the reason."""
         punctuality = self._punctuality
+        # What grows without a change of habit may be a wheel that has slipped for a moment.
+        grown, self._usual = punctuality.usual - self._usual, punctuality.usual
         by_turns = punctuality.habit is Habit.BY_TURNS
         self._by_turns &= by_turns
         if punctuality.changed <= self._changed:
@@ -102,9 +113,9 @@ class MotionChecks:
         if by_turns and not self._by_turns and not monitor.slips:
             self._by_turns = True
             monitor.forget()  # what seemed to be errors of wheels and camera was of pictures
-        if not by_turns and monitor.may_be_late:
-            self._later += punctuality.usual - self._usual
-        self._usual = punctuality.usual
+        if not by_turns and monitor.may_be_late and (grown > MUCH_LATER or grown < 0):
+            later = self._later + grown
+            self._later = later if later >= LEAST else 0.0
 
     def _moved_while_unsure(self) -> Array:
         """Return the covariance (3, 3) of a pose whose picture may have been taken at any time."""
