@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from robot.geometry import Array
-from robot.scan_checks.timed_tape import LATEST, STEP, TimedTape
+from robot.scan_checks.timed_tape import CHANGES, TimedTape
 
 MEAN, MEAN_SD, SWAYS = 0.04, 0.02, 0.03
 """How late pictures are on average that are late by turns, the standard deviation of that, and by
@@ -21,8 +21,7 @@ how much each of them differs from it, 1 sd [s]: none is early, so they are as l
 EXACT, FARTHEST = 0.001, 0.004
 """Standard deviation of how far tape is off that of the picture before [m]; and the farthest that
 counts, as other tape may come into sight."""
-_DIFFERENCES = np.arange(-LATEST, LATEST + STEP / 2, STEP)
-_USUAL = np.exp(-0.5 * np.square(_DIFFERENCES / SWAYS))
+_USUAL = np.exp(-0.5 * np.square(CHANGES / SWAYS))
 
 
 class LatenessFilter:
@@ -45,12 +44,12 @@ class LatenessFilter:
     @property
     def sd(self) -> float:
         """Standard deviation of that [s]."""
-        variance = float(self._belief @ np.square(_DIFFERENCES - self._difference))
+        variance = float(self._belief @ np.square(CHANGES - self._difference))
         return math.sqrt(variance + MEAN_SD**2)
 
     @property
     def _difference(self) -> float:
-        return float(self._belief @ _DIFFERENCES)
+        return float(self._belief @ CHANGES)
 
     def add(self, tape: TimedTape) -> None:
         """Add the next picture."""
@@ -59,7 +58,7 @@ class LatenessFilter:
             self._start()
             return
         before = replace(last, late=self.late)
-        errors = [tape.error(before, before.late + later) for later in _DIFFERENCES.tolist()]
+        errors = [tape.error(before, before.late + later) for later in CHANGES.tolist()]
         likelihood = np.exp(-0.5 * np.square(np.minimum(errors, FARTHEST) / EXACT))
         belief = _USUAL * np.convolve(self._belief, likelihood, mode="same")
         self._belief = belief / belief.sum()

@@ -16,6 +16,8 @@ from robot.scan_checks.overlay import FEWEST, misfit
 
 LATEST, STEP = 0.2, 0.01
 """Largest change of lateness that is looked for, and the steps of the search [s]."""
+CHANGES = np.arange(-LATEST, LATEST + STEP / 2, STEP)
+"""(41,) the changes that are looked for [s]."""
 
 
 class RecentPath:
@@ -82,7 +84,7 @@ class TimedTape:
 
     def search(self, before: TimedTape) -> tuple[float, float]:
         """Return the lateness [s] that lays this tape on that before, and its error then [m]."""
-        tried = before.late + np.arange(-LATEST, LATEST + STEP / 2, STEP)
+        tried = before.late + CHANGES
         errors = [self.error(before, late) for late in tried.tolist()]
         best = int(np.argmin(errors))
         return float(tried[best]), errors[best]

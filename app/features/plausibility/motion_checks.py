@@ -51,16 +51,7 @@ class MotionChecks:
             track: distance between the wheels [m].
         """
         self._plugs = PlugCheck(track)
-        self._punctuality = Punctuality()
-        self._by_turns = False
-        """Whether it is reckoned with that each picture is late on its own."""
-        self._later = self._usual = 0.0
-        """How much later than at first pictures are believed to come otherwise, at least 0, and how
-        much later they seem to come, slipping wheels included [s]."""
-        self._changed = -math.inf
-        """Stamp at which that last changed [s]."""
-        self._unsure = np.zeros((3, 3))
-        """By how much the newest scans may lead elsewhere, as they may be late [m², rad²]."""
+        self.forget_lateness()
 
     def add(self, scan: Scan, odometry: Pose2) -> None:
         """Add a scan, and odometry at its stamp."""
@@ -82,9 +73,15 @@ class MotionChecks:
     def forget_lateness(self) -> None:
         """Forget how late pictures come: the robot stands elsewhere, and tape jumped in them."""
         self._punctuality = Punctuality()
-        self._by_turns, self._later, self._usual = False, 0.0, 0.0
+        self._by_turns = False
+        """Whether it is reckoned with that each picture is late on its own."""
+        self._later = self._usual = 0.0
+        """How much later than at first pictures are believed to come otherwise, at least 0, and how
+        much later they seem to come, slipping wheels included [s]."""
         self._changed = -math.inf
+        """Stamp at which that last changed [s]."""
         self._unsure = np.zeros((3, 3))
+        """By how much the newest scans may lead elsewhere, as they may be late [m², rad²]."""
 
     def advise(self, monitor: Monitor) -> None:
         """Reckon with how late the newest picture is, and tell what is not known of that."""
