@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from enum import IntEnum
 from functools import lru_cache
 from types import MappingProxyType
 from typing import Any
@@ -32,9 +33,19 @@ class ModelChoice:
     motions: tuple[str, ...] = ()
 
 
+class Clearing(IntEnum):
+    """By what a feature clears scans: by the scan alone, by motion, or by the drawing.
+
+    In this order: each gets scans as those before it have cleared them.
+    """
+
+    VIEW, MOTION, MAP = range(3)
+
+
 class AddedModels:
     """Models of a feature, none by default; the engine's thread calls all but ``running``."""
 
+    clearing = Clearing.VIEW
     memory: Any = None
     """What scans have left in it: a replay keeps copies, and puts them back."""
 

@@ -203,7 +203,7 @@ def start_of(config: Config, field: Field) -> Start:
 
 
 def models_of(config: Config, field: Field) -> tuple[AddedModels, ...]:
-    """Return what features add to our models; one that cannot be made is named, and adds none."""
+    """Return what features add to our models, as they clear scans; the last names failures."""
     taken = {*SENSOR_MODELS, *MOTION_MODELS}
 
     def sound(make: NewModels) -> list[AddedModels]:
@@ -215,7 +215,8 @@ def models_of(config: Config, field: Field) -> tuple[AddedModels, ...]:
         return made
 
     added, failures = _of_each(plugged().models, sound)
-    return *(models for _, models in added), AddedModels(failures)
+    made = sorted((models for _, models in added), key=lambda models: models.clearing)
+    return *made, AddedModels(failures)
 
 
 def _of_each(

@@ -13,9 +13,6 @@ from robot.covariance import CovarianceError, covariance_from
 from robot.geometry import Array, Pose2
 from robot.settings import SettingError, check_settings, setting
 
-EVERY_TICK = frozenset({"joint_states", "cmd_vel"})
-"""Topics that are recorded at every tick: the robot's answers and commands. A replay needs all."""
-
 
 def data_folder(folder: str, usual: str) -> Path:
     """Return a folder that is set, or the usual one in the user's data folder."""
@@ -112,18 +109,6 @@ class RecordingSettings:
 
     def __post_init__(self) -> None:
         check_settings(self)
-
-    def period(self, topic: str, rate: str | None) -> float:
-        """Return the least time between two messages of a topic [s]; 0: record every message.
-
-        Args:
-            topic: its name, without slash and namespace.
-            rate: the name of the setting that limits its rate; None: no limit.
-        """
-        if rate is None or topic in EVERY_TICK:
-            return 0.0
-        frequency = float(getattr(self, rate))
-        return 1.0 / frequency if frequency else 0.0
 
     def path(self) -> Path:
         """Return the folder for new recordings."""

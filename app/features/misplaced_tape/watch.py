@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from app.engine.added_models import AddedModels
+from app.engine.added_models import AddedModels, Clearing
 from app.engine.controls import Controls
 from app.messages.commands import Command
 from app.settings.config import Config
@@ -100,6 +100,7 @@ class Telling:
 class PlaceWatch(AddedModels):
     """Offers no model: it looks at the scans that the program's own ones get, and clears them."""
 
+    clearing = Clearing.MAP
     mounting: CameraPosition = LASER
     """Of what takes the scans."""
 

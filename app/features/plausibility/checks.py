@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from app.engine.added_models import AddedModels
+from app.engine.added_models import AddedModels, Clearing
 from app.engine.robots import robot_spec
 from app.features.plausibility.displacement import Displacement
 from app.languages.marking import phrase
@@ -57,6 +57,7 @@ class _Memory:
 class PlausibilityChecks(AddedModels):
     """Offers no model: it looks at the scans that the program's own ones get."""
 
+    clearing = Clearing.MOTION
     memory: _Memory
 
     def __init__(self, track: float) -> None:

@@ -14,6 +14,7 @@ from app.features.recordings.files.recorded import RecordingError
 from app.features.recordings.files.recording_file import RecordingFile, free_folder
 from app.features.recordings.files.reserved_stream import FULL
 from app.features.recordings.full_disk import FullDisk
+from app.features.recordings.periods import recorded_every
 from app.features.ros.message_types import MessageError
 from app.features.ros.publisher import Pace, TopicPublisher, TopicRoute
 from app.features.ros.topics import Published, Topic
@@ -54,7 +55,7 @@ class RecordingRun(TopicRoute):
         self.size = 0
         self._publisher = publisher
         self._contents = contents
-        self._pace = Pace(lambda topic: settings.period(topic.name, topic.rate))
+        self._pace = Pace(lambda topic: recorded_every(topic, settings))
         self._waiting = Backlog[Published](MOST_WAITING)
         self._ticks_lost_before = publisher.lost
         self._unfit: dict[str, str] = {}

@@ -14,6 +14,7 @@ from pathlib import Path
 from app.console import say
 from app.features.recordings.attachments import Contents
 from app.features.recordings.files.recording_file import RecordingFile, free_folder
+from app.features.recordings.periods import recorded_every
 from app.features.recordings.remote_robot import Received, RemoteRobot, RemoteRobotError
 from app.features.ros.message_types import MessageError, message_class
 from app.features.ros.topics import Quality, topics
@@ -123,7 +124,7 @@ def _chosen(types: dict[str, str], names: Sequence[str]) -> Kinds:
 def _kind(name: str, type_name: str) -> Kind:
     for ours in topics():
         if ours.type == type_name and name.endswith(f"/{ours.name}"):
-            period = RecordingSettings().period(ours.name, ours.rate)
+            period = recorded_every(ours, RecordingSettings())
             return Kind(f"/{ours.name}", type_name, ours.quality, period)
     return Kind(name, type_name, Quality(), 0.0)
 

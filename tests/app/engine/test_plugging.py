@@ -11,11 +11,11 @@ from places import ROOT
 from pydantic import create_model
 from simulators import require_engine
 
-from app.engine.added_models import AddedModels, ModelChoice
+from app.engine.added_models import AddedModels, Clearing, ModelChoice
 from app.engine.build import build_on_field, build_program
 from app.engine.command_row import CommandRow
 from app.engine.commands import parse, row_of, table
-from app.engine.plugging import plug_in, plugged
+from app.engine.plugging import models_of, plug_in, plugged
 from app.engine.robot_kind import RobotKind
 from app.engine.simulated_robots import build_kinematic
 from app.engine.start import Start
@@ -163,6 +163,32 @@ def test_models_that_cannot_be_had_are_named_and_the_robot_drives(made, words):
 def test_models_of_several_features_are_one_list():
     plug_in(lamps(models=(lambda config, field: [Lamps("bright"), Lamps("dim")],)))
     assert kinematic().given == ModelChoice(sensors=("bright", "dim"))
+
+
+def test_scans_are_cleared_by_view_then_motion_then_map_whatever_the_features_are_called():
+    cleared = []
+
+    def models(clearing):
+        class Clearer(AddedModels):
+            def cleared(self, scan, odometry):
+                cleared.append(self.clearing)
+                return scan
+
+        Clearer.clearing = clearing
+        return Clearer()
+
+    made = [models(clearing) for clearing in (Clearing.MAP, Clearing.VIEW, Clearing.MOTION)]
+    plug_in(lamps(models=(lambda config, field: made,)))
+    run(kinematic(), 0.5)
+    assert cleared[:3] == [Clearing.VIEW, Clearing.MOTION, Clearing.MAP]
+
+
+def test_our_features_clear_scans_in_an_order_in_which_each_gets_what_it_reckons_with():
+    plug_in(find_features())
+    added = models_of(Config(), load_field("stub", MAPS))
+    owners = [type(models).__module__.split(".")[2] for models in added]
+    clearers = [name for name in owners if name in ("own_shadow", "plausibility", "misplaced_tape")]
+    assert clearers == ["own_shadow", "plausibility", "misplaced_tape", "misplaced_tape"]
 
 
 def test_a_run_begins_where_a_feature_says_and_its_mistake_is_told():
