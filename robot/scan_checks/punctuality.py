@@ -34,7 +34,7 @@ LEAST = 0.025
 """Smallest change of lateness that is believed [s]."""
 SWINGS, WITHIN, LASTS = 3, 2.5, 10.0
 """Pictures are late by turns if lateness swings so often, to and fro, within this time [s]; and are
-taken for such until they have not done so for LASTS [s]."""
+taken for such until pictures were compared for LASTS [s] in which they have not done so."""
 CONFIRMED, CHANGE = 2, 0.05
 """Lateness has changed for good if so many comparisons after that find it as it is then; a smaller
 change [s] may be a wheel that has slipped for a moment."""
@@ -81,6 +81,8 @@ class Punctuality:
         """
         self._distrusted = -math.inf
         """Until when no change is believed [s]."""
+        self._even = 0.0
+        """For how long pictures were compared since lateness last swung [s]."""
 
     @property
     def unsure(self) -> float:
@@ -117,7 +119,7 @@ class Punctuality:
         self._newest = seen
         if self.habit is Habit.BY_TURNS:
             self.by_turns.add(seen)
-            if scan.stamp > self.changed + LASTS:
+            if self._even > LASTS:
                 self._doubt(self.by_turns.late)
                 self.habit = Habit.PUNCTUAL
         self._compare(seen)
@@ -127,6 +129,7 @@ class Punctuality:
         if anchor is None or not seen.can_be_laid_on(anchor):
             self._anchor = replace(seen, late=late)
         elif _is_stride(anchor, seen):
+            self._even += seen.stamp - anchor.stamp
             if seen.error(anchor, late) < OFF:
                 self._confirm(seen.stamp)
             else:
@@ -183,7 +186,7 @@ class Punctuality:
         if len(self._swings) >= SWINGS and to_and_fro:
             if self.habit is not Habit.BY_TURNS:
                 self.by_turns = LatenessFilter()
-            self.habit, self.changed = Habit.BY_TURNS, after.stamp
+            self.habit, self.changed, self._even = Habit.BY_TURNS, after.stamp, 0.0
         return late
 
 
