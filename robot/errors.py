@@ -36,10 +36,6 @@ class CommandError(BrickPoseError, ValueError):
     """A command is invalid, or cannot be carried out now; the message says what is valid."""
 
 
-class NoMapError(CommandError):
-    """There is no map yet, or none that is drawn now."""
-
-
 class PackageError(BrickPoseError, ImportError):
     """An optional package is missing; the message says how to install it."""
 

@@ -5,6 +5,7 @@ A simulator, a fake and the Build HAT are all a ``Robot``; no code above this in
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Protocol, runtime_checkable
 
@@ -15,11 +16,6 @@ from robot.description.spec import RobotSpec
 from robot.errors import BrickPoseError
 from robot.geometry import Array, Pose2
 from robot.scan import Scan
-
-RESTING_PERIOD = 0.2
-"""Time between two pictures of a camera that rests, and between two readings of a robot that does
-[s]: one that is moved meanwhile claims its place for half a second at most, and nobody who comes
-waits longer. With 0.1 between readings, a robot that stands cost 0.7 % of a core more."""
 
 
 class RobotError(BrickPoseError, RuntimeError):
@@ -116,8 +112,12 @@ class PhysicalRobot(Protocol):
 class RestingRobot(Protocol):
     """A robot whose readings cost something to make, as those of a simulated one do."""
 
-    resting: bool
-    """While it is true, a reading every ``RESTING_PERIOD`` with one picture is enough."""
+    def rest(self, period: float, wanted: Callable[[], object]) -> None:
+        """Give a reading, with one picture, only each period [s], as it stands; 0: as usual.
+
+        While ``wanted`` returns what is true, one is wanted at once.
+        """
+        ...
 
 
 @runtime_checkable

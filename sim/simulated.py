@@ -15,7 +15,7 @@ from robot.camera import FloorView
 from robot.description.spec import RobotSpec
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2, Twist2, interpolate
-from robot.interface import RESTING_PERIOD, Frame, Reading
+from robot.interface import Frame, Reading
 from robot.settings import check_settings, setting
 from sim.encoders import Encoders
 from sim.engines import CHOICES
@@ -161,9 +161,9 @@ class SimulatedRobot:
         self._rendering: Future[NDArray[np.uint8]] | None = None
         self._due: float | None = None
         self._closed = False
-        self.resting = False
+        self._resting: tuple[float, Callable[[], object]] = 0.0, bool
         self._remember()
-        self._plan()
+        self._plan(self.stamp + PERIOD)
 
     @property
     def engine(self) -> str | None:
@@ -176,21 +176,34 @@ class SimulatedRobot:
         return self._tick * PERIOD
 
     def read(self) -> Reading:
-        """Advance by one period, or by ``RESTING_PERIOD``; return what the sensors measure then."""
-        self._advance()
+        """Advance by one period, or by several while it rests; return what sensors measure then."""
+        if self._resting[0] > 0:
+            self._stand_still()
+        else:
+            self._advance()
         frame = self._frame()
         turned = self._turned + self._world.positions
         positions, velocities = self._encoders.read(turned, self.stamp)
         self._wait(self.stamp)
         return Reading(self.stamp, positions, velocities, frame, None, self._world.pose)
 
-    def _advance(self) -> None:
-        """Advance the world by one period; of one that rests only the time, as nothing moves it."""
-        step_time = self._world.step_time
-        if self.resting:
-            self._tick += round(RESTING_PERIOD / PERIOD)
+    def rest(self, period: float, wanted: Callable[[], object]) -> None:
+        """Let all but time stand still until the next reading, if the period [s] is not 0."""
+        self._resting = period, wanted
+
+    def _stand_still(self) -> None:
+        period, wanted = self._resting
+        for _ in range(round(period / PERIOD)):
+            self._tick += 1
             self._remember()
-            return
+            if wanted():
+                break
+            self._wait(self.stamp)
+        self._plan(self.stamp)
+
+    def _advance(self) -> None:
+        """Advance the world by one period."""
+        step_time = self._world.step_time
         made = 0
         for step in range(1, self._steps + 1):
             since_tick = step * step_time
@@ -216,7 +229,7 @@ class SimulatedRobot:
         self._past.forget()
         self._remember()
         self._exposures.skip(self.stamp)
-        self._plan()
+        self._plan(self.stamp + PERIOD)
 
     def change(self, settings: SimSettings) -> None:
         """Change camera and imperfections; the robot goes on where it is."""
@@ -227,7 +240,7 @@ class SimulatedRobot:
         self._camera = FloorCamera(view, self._floor, settings.camera, rng)
         self._exposures = Exposures(settings.camera, self.spec.lens.readout, rng.spawn(1)[0])
         self._exposures.skip(self.stamp)
-        self._plan()
+        self._plan(self.stamp + PERIOD)
 
     def _change_robot(self, wanted: Imperfections) -> FloorView:
         """Change wheels, slip and mounting; return the camera's true view."""
@@ -265,13 +278,15 @@ class SimulatedRobot:
             exposed = (self._rendering or self._render(self._due)).result()
             stamp = self._due + self._settings.stamp_error
             frame = Frame(stamp, self._camera.read_out(exposed))
-        self._plan()
+        self._due = None
+        if self._resting[0] == 0:
+            self._plan(self.stamp + PERIOD)
         return frame
 
-    def _plan(self) -> None:
-        """Decide which picture the next reading delivers, and begin it if it has been exposed."""
+    def _plan(self, until: float) -> None:
+        """Decide which picture a reading [s] delivers, and begin it if it has been exposed."""
         self._rendering = None
-        self._due = self._exposures.newest(self.stamp + PERIOD - self._exposures.until_here)
+        self._due = self._exposures.newest(until - self._exposures.until_here)
         if self._due is not None and self._due <= self._past.newest:
             self._rendering = self._render(self._due)
 

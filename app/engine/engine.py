@@ -23,7 +23,7 @@ from app.engine.localization import Localization
 from app.engine.loop_statistics import LoopMeter
 from app.engine.mailboxes.rhythm import EARLY_S, Rhythm
 from app.engine.problems import LOG, failing_alone
-from app.engine.rest import STANDS_S, Standstill
+from app.engine.rest import PAGE_HZ, RESTING_PERIOD, STANDS_S, WATCHED_PERIOD, Standstill
 from app.engine.snapshot import Snapshot
 from app.feature_search import FeatureError, reason_of
 from app.languages.marking import phrase
@@ -31,7 +31,7 @@ from app.messages.commands import Command
 from robot.driving.odometry import OdometryState
 from robot.errors import BrickPoseError
 from robot.geometry import Array, Twist2
-from robot.interface import RESTING_PERIOD, Frame, Reading, RestingRobot, RobotError
+from robot.interface import Frame, Reading, RestingRobot, RobotError
 from robot.scan import Scan
 
 FRAME_OVERDUE = 0.5
@@ -72,8 +72,10 @@ class Engine(ControlLoop):
         self._standstill = Standstill()
         robot = controls.robot
         self._resting_robot = robot if isinstance(robot, RestingRobot) else None
-        self._resting = False
-        """Whether the camera rests."""
+        self._resting = 0.0
+        """Time between two pictures that are used while the camera rests [s]; 0: it does not."""
+        self._pictured = False
+        """Whether the last reading had a picture that was used."""
         self._woke = 0.0
         """When it last began to send all pictures [s]."""
         self._measured = -math.inf
@@ -150,7 +152,7 @@ class Engine(ControlLoop):
                 tick = self._next()
                 stamp = tick[0].stamp
                 # Of the last tick, too: it says where the robot was left.
-                if self._is_wanted(pictured=tick[0].frame is not None) or stop.is_set():
+                if self._is_wanted() or stop.is_set():
                     self.publish(self._snapshot(*tick))
                 began = began if count else (time.monotonic(), stamp)
                 self._check_pace(*began, stamp)
@@ -170,11 +172,13 @@ class Engine(ControlLoop):
         added = self.controls.follower.added
         return [words for models in added if (words := models.running(thread))]
 
-    def _is_wanted(self, *, pictured: bool) -> bool:
+    def _is_wanted(self) -> bool:
         """Return whether anybody waits for this tick, maybe with a new picture."""
         clock, rate = time.monotonic(), self.audience.rate
+        if self._resting:
+            rate = min(rate, 1 / self._resting)
         wanted = clock >= self._told + UNWATCHED_S - EARLY_S
-        wanted |= rate > 0 and (pictured or self._rhythm.wait(clock) <= 0)
+        wanted |= rate > 0 and (self._pictured or self._rhythm.wait(clock) <= 0)
         if wanted and rate > 0:
             self._rhythm.choose(clock, rate)
         self._told = clock if wanted else self._told
@@ -246,12 +250,12 @@ class Engine(ControlLoop):
     def _localize(self, reading: Reading) -> None:
         controls = self.controls
         frame = _exposed(reading.frame, controls.spec.picture_delay)
-        controls.frame = frame or controls.frame
         seen = frame or reading.scan
+        self._pictured = False
         if seen is not None:
             self._last_scan = self._last_scan if frame else seen.stamp
-            paced = not self._resting or self._resting_robot is not None
-            if paced or seen.stamp >= self._measured + RESTING_PERIOD:
+            if seen.stamp >= self._measured + 0.9 * self._resting:
+                controls.frame, self._pictured = frame or controls.frame, frame is not None
                 self._meter.frame(seen.stamp, rested=self._measured < self._woke)
                 self._measure(seen)
                 self._measured = seen.stamp
@@ -271,17 +275,20 @@ class Engine(ControlLoop):
         if taken:  # it may have moved the robot, or what is believed of it
             self._standstill = Standstill()
         stood = self._standstill.seconds(odometry.odom_from_robot, odometry.stamp)
-        self._resting = (
+        rate = self.audience.rate
+        rests = (
             stood >= STANDS_S
             and controls.driving.mode == "idle"
             and controls.follower.settled
-            and not (self.audience.present or self.every.subscribed)
+            and not (rate > PAGE_HZ or self.every.subscribed)
             and not self._companions.need_pictures
         )
-        if self._resting:
+        period = WATCHED_PERIOD if rate > 0 else RESTING_PERIOD
+        self._resting = period if rests else 0.0
+        if rests:
             self._woke = odometry.stamp
         if self._resting_robot is not None:
-            self._resting_robot.resting = self._resting
+            self._resting_robot.rest(self._resting, self.commands.__len__)
 
     def _measure(self, seen: Frame | Scan) -> None:
         controls = self.controls

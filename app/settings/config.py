@@ -17,7 +17,6 @@ from typing import TYPE_CHECKING, Any, NoReturn, TypeVar, get_args, get_type_hin
 from pydantic import TypeAdapter, ValidationError
 
 from app.settings.groups import (
-    CalibrationSettings,
     FeatureSettings,
     MappingSettings,
     RecordingSettings,
@@ -108,7 +107,6 @@ class Config:
     odometry: OdometrySettings = OdometrySettings()
     scanner: LineScannerSettings = LineScannerSettings()
     localization: LocalizationParameters = LocalizationParameters()
-    calibration: CalibrationSettings = CalibrationSettings()
     mapping: MappingSettings = MappingSettings()
     recording: RecordingSettings = RecordingSettings()
     ros2: Ros2Settings = Ros2Settings()

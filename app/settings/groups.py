@@ -1,4 +1,4 @@
-"""Groups of settings: start pose, recordings, maps, calibration while driving, topics of ROS 2."""
+"""Groups of settings: start pose, recordings, maps, topics of ROS 2."""
 
 from __future__ import annotations
 
@@ -127,19 +127,6 @@ class MappingSettings:
     def path(self) -> Path:
         """Return the folder for new maps."""
         return data_folder(self.folder, "maps")
-
-
-@dataclass(frozen=True)
-class CalibrationSettings:
-    """What is done about a robot that changes."""
-
-    track: bool = setting(
-        False,
-        "Measure the calibration again while driving: follow drifts, and a camera that was bumped",
-    )
-
-    def __post_init__(self) -> None:
-        check_settings(self)
 
 
 @dataclass(frozen=True)

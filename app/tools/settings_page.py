@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from app.feature import SettingOption
-from app.feature_search import find_features
+from app.feature_search import OURS, find_features
 from app.options import SETTINGS
 from app.settings.config import ROOT, Config
 from robot.settings import Setting, describe
@@ -36,10 +36,15 @@ min_particles = 1000
 
 def page() -> str:
     """Return the whole page."""
-    added = (option for feature in find_features().active for option in feature.run_options)
+    every = find_features()
+    features = [feature for feature in every.active if every.packages[feature.name] == OURS]
+    added = (option for feature in features for option in feature.run_options)
     options = [*SETTINGS.values(), *(each for each in added if isinstance(each, SettingOption))]
     flags = {option.path: f" `{option.flag}`" for option in options}
-    return HEAD + "".join(_tables(Config(), "", flags)) + "\n"
+    tables = [("", Config()), *((f.name, f.settings()) for f in features if f.settings)]
+    return (
+        HEAD + "".join(row for path, group in tables for row in _tables(group, path, flags)) + "\n"
+    )
 
 
 def _tables(group: Any, path: str, flags: Mapping[str, str]) -> Iterator[str]:

@@ -14,6 +14,8 @@ export class DrawLoop {
   /** @type {Painter[]} */
   #painters = [];
   #asked = false;
+  /** @type {ReturnType<typeof setTimeout> | undefined} */
+  #later;
 
   /**
    * @param {(now: number) => void} paint called with performance.now() [ms]
@@ -40,14 +42,17 @@ export class DrawLoop {
   #run() {
     this.#asked = false;
     const now = performance.now();
-    let waiting = false;
+    let wait = Infinity;
     for (const painter of this.#painters) {
       if (!painter.dirty || !painter.visible()) continue;
       // Half a frame early counts as on time: the next chance is a whole frame later.
-      if (now - painter.last < painter.every - 8) waiting = true;
+      const early = painter.last + painter.every - 8 - now;
+      if (early > 0) wait = Math.min(wait, early);
       else this.#paint(painter, now);
     }
-    if (waiting) this.#ask();
+    // A frame in which nothing is painted costs the browser nearly as much as another one.
+    clearTimeout(this.#later);
+    if (wait < Infinity) this.#later = setTimeout(() => this.#ask(), wait);
   }
 
   /** @param {Painter} painter @param {number} now */

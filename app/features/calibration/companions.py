@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from app.features.calibration.settings import CalibrationSettings
 from app.settings.config import Config
 from robot.fields.field import Field
 from robot.interface import Robot
@@ -14,7 +15,7 @@ if TYPE_CHECKING:
 
 def trackings(config: Config, robot: Robot, field: Field) -> tuple[CalibrationTracking, ...]:
     """Return what tracks the robot of a new engine; nothing if the settings do not want it."""
-    if not config.calibration.track:
+    if not config.group("calibration", CalibrationSettings()).track:
         return ()
     # Few want it.
     from app.features.calibration.tracking import CalibrationTracking  # noqa: PLC0415

@@ -22,8 +22,9 @@ from app.features.mapping.drawing import MapDrawing, ShownDrawing
 from app.features.mapping.drawing_work import DrawingWork
 from app.features.mapping.exploration import Exploration
 from app.features.mapping.map_files import write_map
+from app.features.mapping.messages import NoMapError
 from app.result_files import is_portable
-from robot.errors import BrickPoseError, CommandError, NoMapError
+from robot.errors import BrickPoseError, CommandError
 from robot.estimation.fit_quality import ContradictionError
 from robot.fields.field import FieldError
 from robot.geometry import Pose2

@@ -7,6 +7,11 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from app.messages.message import CommandMessage, Message, Metres, Radians
+from robot.errors import CommandError
+
+
+class NoMapError(CommandError):
+    """There is no map yet, or none that is drawn now."""
 
 
 class StartMapCommand(CommandMessage):

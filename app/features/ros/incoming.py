@@ -10,14 +10,19 @@ from typing import Any
 
 import numpy as np
 
-from app.features.mapping.messages import PauseMapCommand, SaveMapCommand, StartMapCommand
+from app.features.mapping.messages import (
+    NoMapError,
+    PauseMapCommand,
+    SaveMapCommand,
+    StartMapCommand,
+)
 from app.features.navigation.messages import GoalMessage, NavigateCommand
 from app.features.ros.encoding.frames import SECOND_NS, heading_of
 from app.features.ros.message_types import Message, MessageError
 from app.features.ros.source import TopicSource
 from app.messages.commands import Command, ScatterCommand, SetPoseCommand, UpdateCommand
 from app.messages.driving_commands import DriveCommand
-from robot.errors import CommandError, NoMapError
+from robot.errors import CommandError
 
 TWIST = "geometry_msgs/msg/Twist"
 STAMPED_TWIST = "geometry_msgs/msg/TwistStamped"

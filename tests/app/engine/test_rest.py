@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -12,7 +13,16 @@ from engine_runs import kinematic
 from app.engine.build import build_program
 from app.engine.engine import FRAME_OVERDUE
 from app.engine.program import Program
-from app.engine.rest import STILL_M, STILL_RAD, VISIT_S, Audience, Standstill
+from app.engine.rest import (
+    PAGE_HZ,
+    RESTING_PERIOD,
+    STILL_M,
+    STILL_RAD,
+    VISIT_S,
+    WATCHED_PERIOD,
+    Audience,
+    Standstill,
+)
 from app.engine.snapshot import Snapshot
 from app.messages.commands import PlaceCommand, SetPoseCommand
 from app.messages.driving_commands import DriveCommand, FigureEightCommand, StopCommand
@@ -20,14 +30,14 @@ from app.settings.config import MAPS, Config
 from robot.description.spec import RobotSpec
 from robot.fields.field_loading import load_field
 from robot.geometry import Pose2
-from robot.interface import RESTING_PERIOD, Reading
+from robot.interface import Reading
 from robot.localization.estimate import State
 from robot.scan import Scan
 from sim.simulated import PERIOD
 
 USUAL_HZ = 25
 """Pictures a second of a camera that does not rest, at least."""
-RESTING_HZ = 1 / RESTING_PERIOD
+RESTING_HZ, WATCHED_HZ = 1 / RESTING_PERIOD, 1 / WATCHED_PERIOD
 
 
 class Unhurried:
@@ -95,6 +105,30 @@ def test_a_simulation_that_rests_reads_five_times_a_second(resting) -> None:
     with resting.engine.audience.joined():
         woken = [shown.stamp for shown in seconds(resting, 2)][1:]
     assert np.diff(woken) == pytest.approx(PERIOD)
+
+
+def test_a_page_sees_a_third_of_the_pictures_of_a_robot_that_stands(robots) -> None:
+    with robots.engine.audience.joined(PAGE_HZ):
+        seconds(robots, 1)
+        snapshots = seconds(robots, 5)
+    assert 0.7 * WATCHED_HZ * 5 <= pictures(snapshots) <= WATCHED_HZ * 5 + 1
+    shown = [each.frame.stamp for each in snapshots]
+    scanned = [each.filter.line_scan.scan.stamp for each in snapshots]
+    assert shown == scanned  # a page draws edges on the picture that they were found in
+    # It is as new as every picture, not one from before the rest.
+    came = [after for before, after in pairwise(snapshots) if after.frame is not before.frame]
+    assert max(each.stamp - each.frame.stamp for each in came) < 0.07
+    assert snapshots[-1].loop.frame_hz > USUAL_HZ
+
+
+@pytest.mark.parametrize("wanted", [0, 3])
+def test_a_command_wakes_a_simulation_in_the_middle_of_its_rest(program, wanted: int) -> None:
+    asked = iter(range(100))
+    before = program.robot.read().stamp
+    program.robot.rest(RESTING_PERIOD, lambda: next(asked) >= wanted)
+    assert program.robot.read().stamp == pytest.approx(before + (wanted + 1) * PERIOD)
+    program.robot.rest(0.0, bool)
+    assert program.robot.read().stamp == pytest.approx(before + (wanted + 2) * PERIOD)
 
 
 def test_who_made_the_engine_and_steps_it_sees_all_pictures(program) -> None:
@@ -229,19 +263,19 @@ def test_who_asks_once_looks_for_a_moment(monkeypatch) -> None:
     monkeypatch.setattr("app.engine.rest.time.monotonic", lambda: clock[0])
     audience = Audience()
     audience.leave()
-    assert not audience.present
+    assert audience.rate == 0
     audience.visit()
-    assert audience.present
+    assert audience.rate == PAGE_HZ
     clock[0] += VISIT_S
-    assert not audience.present
+    assert audience.rate == 0
 
 
 def test_audiences_come_and_go() -> None:
     audience = Audience()
     audience.leave()
     with audience.joined(), audience.joined():
-        assert audience.present
-    assert not audience.present
+        assert audience.rate > 0
+    assert audience.rate == 0
 
 
 def test_a_robot_that_creeps_does_not_stand() -> None:

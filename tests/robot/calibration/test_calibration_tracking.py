@@ -12,7 +12,6 @@ from app.messages.commands import SetCalibrationCommand
 from app.messages.driving_commands import FigureEightCommand
 from app.settings.conditions import apply_condition
 from app.settings.config import Config, with_settings
-from app.settings.groups import CalibrationSettings
 from robot.calibration.drift import DriftFinding, Known
 from robot.calibration.tracker import CalibrationTracker, camera_remark
 from robot.description.unknowns import COUNT, NAMES, PRIORS
@@ -30,7 +29,7 @@ def tracked(condition: str, seconds: float, seed: int = 3) -> tuple[list, list[t
     config = with_settings(
         config, {"sim.imperfections.bump_time": BUMP_S, "sim.camera.frame_rate": 10.0}
     )
-    program = build_program(replace(config, calibration=CalibrationSettings(track=True)))
+    program = build_program(replace(config, added={"calibration": {"track": True}}))
     changes, ticks = [], []
     try:
         while not ticks or ticks[-1][0] < seconds:

@@ -84,7 +84,7 @@ def test_whoever_needs_each_tick_gets_each_once():
     with served() as (program, _):
         stamps = [each.stamp for each in collected(program, 100)]
         assert np.allclose(np.diff(stamps), 0.02)
-        assert program.engine.audience.present is False
+        assert program.engine.audience.rate == 0
 
 
 def test_whoever_comes_and_a_map_that_is_drawn_are_told_at_once(monkeypatch):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
+from contextlib import contextmanager
 
 import numpy as np
 import pytest
@@ -12,11 +13,13 @@ from camera_sources import until
 from websockets.sync.client import connect
 
 from app.engine.engine_thread import EngineThread
+from app.engine.rest import WATCHED_PERIOD
 from app.features.control.remote import RemoteProgram
 from app.page.outlets import Outlets
 from app.page.server import create_app
 from app.page.serving import build_served
-from app.settings.config import Config
+from app.settings.config import Config, with_settings
+from robot.localization.parameters import LocalizationParameters
 from sim.floor_camera import CameraSettings
 from sim.simulated import SimSettings
 
@@ -26,14 +29,23 @@ PICTURES_HZ, TICKS_HZ = 5.0, 50.0
 TICKS = 30
 
 
-@pytest.fixture(scope="module")
-def served() -> Iterator[tuple[RemoteProgram, str]]:
+@contextmanager
+def serving(config: Config) -> Iterator[tuple[RemoteProgram, str]]:
     """A program whose robot another process drives, with its page."""
-    sim = SimSettings(camera=CameraSettings(frame_rate=PICTURES_HZ))
-    program = build_served(Config(robot="kinematic", map="stub", sim=sim))
+    program = build_served(config)
     assert isinstance(program, RemoteProgram)
     with listening(create_app(program, EngineThread(program.engine), Outlets(program))) as address:
         yield program, address
+
+
+@pytest.fixture(scope="module")
+def served() -> Iterator[tuple[RemoteProgram, str]]:
+    """One whose robot never rests, as its filter learns while it stands."""
+    sim = SimSettings(camera=CameraSettings(frame_rate=PICTURES_HZ))
+    learns = with_settings(LocalizationParameters(), {"filter.update_min_d": 0.0})
+    config = Config(robot="kinematic", map="stub", sim=sim, localization=learns)
+    with serving(config) as made:
+        yield made
 
 
 def received(address: str, query: str = "") -> list[float]:
@@ -63,6 +75,13 @@ def test_a_page_gets_as_many_ticks_as_it_asks_for(served, wanted: float) -> None
 def test_who_says_no_rate_gets_each_tick(served) -> None:
     _, address = served
     assert max(hz(received(address)) for _ in range(3)) > 0.7 * TICKS_HZ
+
+
+def test_a_page_gets_no_more_of_a_robot_that_rests_than_there_are_pictures() -> None:
+    with serving(Config(robot="kinematic", map="stub")) as (_, address):
+        received(address, "?rate=30")  # meanwhile it comes to rest
+        assert hz(received(address, "?rate=30")) == pytest.approx(1 / WATCHED_PERIOD, rel=0.1)
+        assert max(hz(received(address)) for _ in range(3)) > 0.7 * TICKS_HZ
 
 
 def test_control_sends_what_is_asked_for_and_the_pictures(served) -> None:
