@@ -1,4 +1,4 @@
-"""Benchmark of what a robot that drives costs: with nobody who looks, a page, and further pages."""
+"""Benchmark of what a robot costs that drives, with no page, one and further ones, or stands."""
 
 from __future__ import annotations
 
@@ -39,6 +39,9 @@ def measure() -> Result:
 
 
 def _measured(running: ServedProgram) -> dict[str, float]:
+    with meanwhile(page(running.address)):
+        time.sleep(WARM_UP_S)  # meanwhile it comes to rest
+        stands = share(running)
     with meanwhile([drive(running.address)]):
         time.sleep(WARM_UP_S)
         nobody = share(running)
@@ -49,6 +52,7 @@ def _measured(running: ServedProgram) -> dict[str, float]:
     return {
         "nobody [%]": nobody,
         "one page [%]": alone,
+        "stands, one page [%]": stands,
         "each further page [%]": (several - alone) / (PAGES - 1),
         "memory with one page [MB]": memory,
     }
