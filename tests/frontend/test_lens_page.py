@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -15,6 +16,7 @@ import pytest
 import yaml
 from apps import listening
 from board_pictures import CHESSBOARD, lens_of, picture, poses
+from camera_sources import until
 from engine_runs import kinematic, run
 from fastapi import FastAPI
 from websockets.exceptions import ConnectionClosed
@@ -129,6 +131,16 @@ def test_before_the_start_nothing_is_looked_for(bench, pictures):
     assert status["bars"] == {"x": 0, "y": 0, "size": 0, "tilt": 0}
     bench.ask(type="calibrate")
     assert "start first" in bench.until(lambda status: status["problem"])["problem"]
+
+
+def test_the_camera_of_a_robot_that_stands_does_not_rest_while_a_board_is_moved_before_it():
+    program = kinematic()
+    program.engine.audience.leave()
+    with bench_of(program) as bench:
+        bench.hear()
+        assert program.engine.audience.rate == math.inf
+    until(lambda: program.engine.audience.rate == 0)
+    program.robot.close()
 
 
 def test_a_board_that_is_held_still_is_taken_and_what_is_missing_changes(bench, pictures):

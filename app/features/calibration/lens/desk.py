@@ -115,14 +115,15 @@ class LensDesk:
     async def _work(self) -> None:
         """Carry out requests and examine pictures while this socket holds the lock."""
         async with self._turn:
-            while True:
-                self._program.engine.audience.visit()
-                due = anyio.current_time() + PERIOD_S
-                while self._asked:
-                    await self._carry_out(self._asked.popleft())
-                await self._look_at_newest()
-                self._publish()
-                await anyio.sleep_until(due)
+            # Whoever moves a board before a robot that stands wants more pictures than a page does.
+            with self._program.engine.audience.joined():
+                while True:
+                    due = anyio.current_time() + PERIOD_S
+                    while self._asked:
+                        await self._carry_out(self._asked.popleft())
+                    await self._look_at_newest()
+                    self._publish()
+                    await anyio.sleep_until(due)
 
     async def _carry_out(self, request: Request) -> None:
         self._problem = ""
