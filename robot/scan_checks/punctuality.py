@@ -18,7 +18,7 @@ from robot.geometry import Pose2, Twist2
 from robot.scan import Scan
 from robot.scan_checks.lateness_filter import LatenessFilter
 from robot.scan_checks.overlay import near_points
-from robot.scan_checks.timed_tape import RecentPath, TimedTape
+from robot.scan_checks.timed_tape import LATEST, STEP, RecentPath, TimedTape
 
 STRIDE = 0.02
 """Tape is compared after each such way [m]."""
@@ -28,10 +28,10 @@ LONGEST = 1.0
 """After a longer time without a scan, or one that runs back, comparing begins anew [s]."""
 OFF, GLIMPSED, LIES, REST = 0.005, 0.003, 0.0015, 0.35
 """Tape is off by more than OFF if a picture is late, or than GLIMPSED before the robot has driven a
-whole stride [m]. With its lateness it is off by less than LIES [m], or than that share of it, REST.
-"""
-LEAST = 0.025
-"""Smallest change of lateness that is believed [s]."""
+whole stride [m]. With its lateness it is off by less than LIES [m], or than that share of it, REST,
+and less than OFF."""
+LEAST, FARTHEST = 0.025, LATEST - STEP / 2
+"""A change of lateness that is believed is at least the one and less than the other [s]."""
 SWINGS, WITHIN, LASTS = 3, 2.5, 10.0
 """Pictures are late by turns if lateness swings so often, to and fro, within this time [s]; and are
 taken for such until pictures were compared for LASTS [s] in which they have not done so."""
@@ -126,7 +126,7 @@ class Punctuality:
 
     def _compare(self, seen: TimedTape) -> None:
         anchor, late = self._anchor, self._assumed
-        if anchor is None or not seen.can_be_laid_on(anchor):
+        if anchor is None or _turns(seen.twist) or not seen.can_be_laid_on(anchor):
             self._anchor = replace(seen, late=late)
         elif _is_stride(anchor, seen):
             self._even += seen.stamp - anchor.stamp
@@ -162,8 +162,9 @@ class Punctuality:
     def _search(self, before: TimedTape, after: TimedTape) -> float | None:
         """Return another lateness of a picture [s] that lays its tape on that before."""
         late, error = after.search(before)
-        lies = error <= max(LIES, REST * after.error(before, self._assumed))
-        believed = abs(late - before.late) >= LEAST and after.stamp >= self._distrusted
+        lies = error <= max(LIES, REST * after.error(before, self._assumed)) and error < OFF
+        # At the end of what is searched, tape is nearest to other tape that came into sight.
+        believed = LEAST <= abs(late - before.late) < FARTHEST and after.stamp >= self._distrusted
         return late if lies and believed else None
 
     def _change(self, before: TimedTape, after: TimedTape) -> float:
@@ -188,6 +189,14 @@ class Punctuality:
                 self.by_turns = LatenessFilter()
             self.habit, self.changed, self._even = Habit.BY_TURNS, after.stamp, 0.0
         return late
+
+
+def _turns(twist: Twist2) -> bool:
+    """Return whether a robot turns rather than drives: other tape is in sight after each picture.
+
+    Then a corner or a stroke that comes into sight is easily taken for what was seen before.
+    """
+    return ARM * abs(twist.omega) > abs(twist.v)
 
 
 def _is_stride(before: TimedTape, after: TimedTape) -> bool:

@@ -77,10 +77,9 @@ HIDDEN = 2.0
 """Factor on the variance of errors that cannot be excluded, while slip, or another error that is
 told, hides them. Half: with all errors at once (``slip_check.py``) 0.9 % are certain and wrong, not
 0.1; twice: 90.7 % certain on a slippery floor instead of 96.5."""
-SCALE_SD, SCALE_DOUBTED = 0.0115, 0.015
+SCALE_SD, SCALE_DOUBTED = 0.008, 0.015
 """Standard deviation of the scale of a map that is not doubted, and of one that is. Half of
-SCALE_SD: certain and wrong in 1.7 % where a map is 3 % too large or small, not in none; twice:
-certain in 74 % in a right map instead of 83 (12 robots each)."""
+SCALE_SD: misleading in 0.8 % instead of 0.7; twice: in 0.2, and as many certain (``--few``)."""
 LAID = np.diag(np.square([0.010, 0.010, 0.020]))
 """Covariance of where tape lies that somebody laid by hand, and of its direction, which counts
 while steps do not fit the map as usual [m², m², rad²]. Half of these deviations: on *tee*
