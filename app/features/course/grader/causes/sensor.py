@@ -28,9 +28,10 @@ SENSOR = {
     ),
     "origin-wrong": Cause(
         "The cloud is shifted by a constant.",
-        "The place where the field begins is used wrongly: x for y, or added instead of "
-        "subtracted.",
-        "A cell's column counts from the origin's x, its row from the origin's y.",
+        "The place where the field begins is used wrongly: x for y, added instead of subtracted, "
+        "or in metres where cells are counted.",
+        "A cell's column counts from the origin's x, its row from the origin's y: take it off "
+        "first, then divide.",
     ),
     "S5": Cause(
         "The cloud is shifted by a constant.",

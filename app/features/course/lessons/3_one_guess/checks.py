@@ -37,7 +37,9 @@ QUARTERS = np.array([0.0, 1.0, 2.0, -1.0]) * math.pi / 2
 EACH_OR_ONE = ("", "-x", "-y")
 """A mistake of both coordinates, or of one alone."""
 STARTS = frozenset(
-    f"origin-{mistake}{axis}" for mistake in ("ignored", "added", "swapped") for axis in EACH_OR_ONE
+    f"origin-{mistake}{axis}"
+    for mistake in ("ignored", "added", "swapped", "undivided")
+    for axis in EACH_OR_ONE
 )
 PRODUCTS = ("product", "late-logarithm")
 JOINTS = frozenset([*JOINED, *INVERSES])
@@ -312,7 +314,7 @@ CHECKS = Checks(
         *(Hypothesis(f"origin-ignored{axis}", "S5", STARTS) for axis in EACH_OR_ONE),
         *(
             Hypothesis(f"origin-{mistake}{axis}", "origin-wrong", STARTS)
-            for mistake in ("added", "swapped")
+            for mistake in ("added", "swapped", "undivided")
             for axis in EACH_OR_ONE
         ),
         # Cells far away and a curve far too narrow give the same: a line that mends it goes first.
@@ -353,7 +355,8 @@ CHECKS = Checks(
         *_of_each_or_one("place-exchanged", "place-axes"),
         *_of_each_or_one("ray-backwards", "ray-sign"),
         *(Hypothesis(name, "map-turned") for name in ("upside-down", "row-negative", "mirrored")),
-        *(Hypothesis(name, "cell-off", frozenset(OFF)) for name in OFF),
+        # With another origin it would explain any shift.
+        *(Hypothesis(name, "cell-off", frozenset([*OFF, *STARTS])) for name in OFF),
         Hypothesis("nothing-squared", "square"),
         Hypothesis("no-curve", "no-curve"),
         Hypothesis("negative", "log-sign", JOINTS),
