@@ -43,6 +43,8 @@ STARTS = frozenset(
 )
 PRODUCTS = ("product", "late-logarithm")
 JOINTS = frozenset([*JOINED, *INVERSES])
+NEGATIVE_M = 1.4
+"""How far a field is put to the left and downwards, so that all its tape is below 0 [m]."""
 CUT_ROW, CUT_COLUMN = 35, 85
 """Where a field is cut so that its tape lies at its border, at the bottom and at the right."""
 
@@ -59,6 +61,7 @@ def cases(seed: int) -> list[Case]:
     made += [_any_pose(field, rng, rays, kind) for rays, kind in ((3, "few"), (20, "few"))]
     made.append(_any_pose(field, rng, 12, "no-return"))
     made += [_beyond(field, *ray) for ray in ((-math.pi / 2, 0.66), (0.0, 0.46))]
+    made.append(_negative(field))
     made.append(_lattice(field, rng, 24, "particles"))
     made.append(_lattice(field, rng, 600, "many"))
     return made
@@ -71,6 +74,7 @@ def _case(poses: Array, scan: tuple[Array, Array], field: SimpleNamespace, kind:
         "few": "One guess and {rays} rays.",
         "no-return": "One guess and {rays} rays; some of them saw no tape and are infinite.",
         "beyond": "One guess, one ray, whose end is beyond the field's border, near tape.",
+        "negative": "One guess, one ray; the field lies where x and y are negative.",
         "particles": "{count} guesses and {rays} rays.",
         "many": "{count} guesses and {rays} rays, as a good camera has them.",
     }[kind]
@@ -91,6 +95,15 @@ def _beyond(field: SimpleNamespace, heading: float, far: float) -> Case:
     )
     pose = np.array([[0.71, 0.81, heading]])
     return _case(pose, (np.zeros(1), np.array([far])), cut, "beyond")
+
+
+def _negative(field: SimpleNamespace) -> Case:
+    """Put a field where x and y are negative: whoever keeps ends above 0 has none of it."""
+    shifted = SimpleNamespace(
+        distances=field.distances, origin=field.origin - NEGATIVE_M, cell=field.cell
+    )
+    pose = np.array([[0.71 - NEGATIVE_M, 0.93 - NEGATIVE_M, -math.pi / 2]])
+    return _case(pose, (np.zeros(1), np.array([0.58])), shifted, "negative")
 
 
 def _one_ray(field: SimpleNamespace, distance: float) -> Case:
@@ -188,7 +201,10 @@ def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
         yield Sign("S7", spread[0], weak=one_seen)
         return
     wrong = [item for item in outcomes if not _right(item)]
-    for kind, cause in (("no-return", "no-return"), ("beyond", "beyond")):
+    for kind, cause in (
+        *(("no-return", "no-return"), ("beyond", "beyond")),
+        ("negative", "negative-lost"),
+    ):
         if wrong and all(item.case.kind == kind for item in wrong):
             yield Sign(cause, wrong[0])
             return

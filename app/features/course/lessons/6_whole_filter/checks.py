@@ -254,6 +254,7 @@ def _loop(
         drawn, _ = _survivors(poses, weights, parts, REFERENCE)
         return (poses, prior) if drawn is poses else parts.resample(poses, prior)
     raw = _weighed(prior, fits, mistakes | {"not-normalized"})
+    raw = _weighed(np.ones(len(poses)), fits, REFERENCE) if "draws-by-scan" in mistakes else raw
     drawn, weights = _survivors(poses, weights, parts, mistakes, raw)
     return drawn, np.log(weights) if "log-returned" in mistakes and drawn is poses else weights
 
@@ -298,9 +299,10 @@ def _stands(moved: Array, mistakes: frozenset[str]) -> bool:
         "sizes": abs(dx) + abs(dy),
     }
     way = next((each for name, each in ways.items() if name in mistakes), math.hypot(dx, dy))
-    whole = math.hypot(way, turn) if "all-three" in mistakes else abs(dx) + abs(dy) + abs(turn)
-    if mistakes & {"all-three", "all-summed"}:
-        return whole < STILL_M
+    if "all-three" in mistakes:
+        return math.hypot(way, turn) < STILL_M
+    if "all-summed" in mistakes:
+        return bool(abs(dx) + abs(dy) + abs(turn) < STILL_M)
     short = way < STILL_M
     straight = (turn if "signed" in mistakes else abs(turn)) < STILL_RAD
     if "turn-in-degrees" in mistakes:
@@ -321,7 +323,8 @@ def _survivors(
 ) -> tuple[Array, Array]:
     """Return what is left of particles, by their weights or by those whose sum is another yet."""
     shares = weights / weights.sum() if "normalized-late" in mistakes else weights
-    shares = raw if raw is not None and "size-unnormalized" in mistakes else shares
+    of_raw = mistakes & {"size-unnormalized", "draws-by-scan"}
+    shares = raw if raw is not None and of_raw else shares
     effective = 1 / (shares**2).sum()
     wanted = effective < len(poses) / 2
     if "never-resamples" in mistakes:
@@ -332,7 +335,8 @@ def _survivors(
         wanted = effective > len(poses) / 2
     if not wanted:
         return poses, weights
-    shares = raw if raw is not None and "draws-unnormalized" in mistakes else weights
+    of_raw = mistakes & {"draws-unnormalized", "draws-by-scan"}
+    shares = raw if raw is not None and of_raw else weights
     drawn, even = parts.resample(poses, shares)
     if "survivors-lost" in mistakes:
         return poses, weights
@@ -436,6 +440,7 @@ CHECKS = Checks(
         ),
         Hypothesis("added", "added"),
         Hypothesis("not-kept", "S7"),
+        Hypothesis("draws-by-scan", "R6", kind="edge"),
         Hypothesis("never-resamples", "no-resampling", TIMES, broad=True),
         Hypothesis("always-resamples", "resampling-always", TIMES, broad=True),
         Hypothesis("the-other-way", "resampling-reversed", TIMES),

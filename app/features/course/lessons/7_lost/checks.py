@@ -280,11 +280,24 @@ def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
     for outcome in outcomes:
         if outcome.case.kind == "seeds":
             starts = [np.asarray(answer.result) for answer in outcome.answers]
-            yield from generator_signs(outcome, starts)
+            chance = list(generator_signs(outcome, starts))
+            yield from chance
+            if chance and not _field_missed(outcomes):
+                return  # how evenly they lie follows from that
     for outcome in outcomes:
         if near and outcome.case.kind == "around" and _toward(outcome) < 0.5:
             yield Sign("E1", outcome)
     yield from _areas(outcomes)
+
+
+def _field_missed(outcomes: Sequence[Outcome]) -> bool:
+    """Return whether an estimate is wrong, or a start beyond what is counted off evenly."""
+    for outcome in outcomes:
+        apart = np.abs(features(outcome) - expected(outcome.case, frozenset()))
+        far = outcome.case.function == "estimate" or apart[:6].max() > ELSEWHERE
+        if far and (apart > outcome.case.tolerance).any():
+            return True
+    return False
 
 
 def _given_poses(outcome: Outcome) -> Array:
