@@ -259,14 +259,14 @@ def test_a_result_that_no_change_makes_usable_is_told_by_its_form():
 
 
 def test_a_slip_of_several_lines_is_told_with_all_of_them():
-    source = BASES["loops"] + (
+    source = BASES["arrays"] + (
         "def inject(poses, fit, memory, anywhere, rng):\n"
         "    memory.slow += 0.05 * fit - memory.slow\n"
         "    memory.fast += 0.5 * fit - memory.fast\n"
-        "    share = max(0.0, 1 - memory.fast / (memory.slow or 1.0))\n"
+        "    share = max(0.0, 1 - memory.fast / memory.slow)\n"
         "    return np.array([anywhere(1)[0] if rng.random() < share else p for p in poses])\n"
     )
-    (finding,) = grade(source, "mine.py", lesson_of(8)).findings
+    (finding, *_) = grade(source, "mine.py", lesson_of(8)).findings
     first = source.splitlines().index("    memory.slow += 0.05 * fit - memory.slow") + 1
     assert (finding.cause, finding.line) == ("slip-brackets", first)
     assert f"Lines {first} and {first + 1} are where it happens" in finding.case.say(ENGLISH)
