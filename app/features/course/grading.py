@@ -89,12 +89,12 @@ def _findings(
     try:
         named, sure = _named(process, lesson, measured, clock, altered=bool(altered))
     except FormError as error:  # what only the search for causes looks at
-        named, sure = [_finding(lesson, "form", measured[0].case, error.words)], True
+        named, sure = [_finding(lesson, error.cause, measured[0].case, error.words)], True
     # What is not known for sure may follow from arrays that were written over.
     yield from (*named, *altered) if sure else (*altered, *named)
     causes = {flaw.cause for flaw in named}
     for flaw in failures[:1]:
-        if flaw.cause in ("form", "misused") and not causes:
+        if flaw.cause in ("form", "no-number", "misused") and not causes:
             yield _usable(process, lesson, cases, clock, flaw)
         elif flaw.cause not in causes:
             yield flaw
@@ -118,7 +118,7 @@ def measure(
             if error.fatal:
                 break
         except FormError as error:
-            failures.append(_finding(lesson, "form", case, error.words))
+            failures.append(_finding(lesson, error.cause, case, error.words))
         if len(failures) >= MOST_FAILURES:
             break
     return measured, failures
@@ -187,15 +187,18 @@ def _usable(
     change = mend(process, lesson.checks, asked, clock)
     if change is None:
         return flaw
-    cause = cause_of(change.cause)
+    # What divides by 0 is no other operator's line, though any other would do without it.
+    divided = (flaw.cause, change.cause) == ("no-number", "slip-operator")
+    code = flaw.cause if divided else change.cause
+    cause = cause_of(code)
     return replace(
         flaw,
-        cause=change.cause,
+        cause=code,
         symptom=Words(cause.symptom),
         case=_where(change, flaw.case),
         seems=Words(cause.seems),
         advice=Words(cause.advice),
-        line=change.line,
+        line=change.lines[0],
     )
 
 
@@ -204,12 +207,19 @@ def _slip(lesson: Lesson, change: Mended, measured: Measured) -> Flaw:
     words = _where(change, _compared(lesson.checks, measured))
     picture = _drawn(lesson.checks, measured)
     flaw = _finding(lesson, change.cause, measured.case, words, picture)
-    return replace(flaw, line=change.line)
+    return replace(flaw, line=change.lines[0])
 
 
 def _where(change: Mended, compared: Words) -> Words:
+    *others, last = change.lines
+    values = {"compared": compared, "line": last, "change": Words(change.words)}
+    if others:
+        text = (
+            "{compared} Lines {lines} and {line} are where it happens: with {change} in each of "
+            "them all is right."
+        )
+        return Words(text, values | {"lines": ", ".join(map(str, others))})
     text = "{compared} Line {line} is where it happens: with {change} there all is right."
-    values = {"compared": compared, "line": change.line, "change": Words(change.words)}
     return Words(text, values)
 
 

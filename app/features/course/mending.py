@@ -43,7 +43,8 @@ class Mended:
 
     cause: str
     words: str
-    line: int
+    lines: tuple[int, ...]
+    """Where it changes the code: a slip may stand in several lines."""
 
 
 def answered(process: StudentProcess, case: Case, seconds: float | None = None) -> Outcome:
@@ -105,7 +106,7 @@ def mend(
         with suppress(StudentError), StudentProcess(student.path, student.source, clock) as process:
             for edit, source in changes:
                 if _passes(process, source, checks, order):
-                    return Mended(edit.cause, edit.words, edit.line)
+                    return Mended(edit.cause, edit.words, edit.lines)
                 if process.broken:
                     break
                 if time.thread_time() > end:

@@ -18,9 +18,17 @@ REFERENCE: frozenset[str] = frozenset()
 class FormError(BrickPoseError, ValueError):
     """A result has the wrong form; ``words`` says which one is wanted."""
 
+    cause = "form"
+
     def __init__(self, text: str, **values: object) -> None:
         self.words = Words(text, values)
         super().__init__(self.words.say())
+
+
+class NoNumberError(FormError):
+    """A result has the right form, and something in it is infinite or not a number."""
+
+    cause = "no-number"
 
 
 Chosen = TypeVar("Chosen")

@@ -124,6 +124,8 @@ class Edit:
     part: str
     make: Make
     index: int | None = None
+    lines: tuple[int, ...] = field(default=(), init=False)
+    """All lines that change with it in the program that was yielded last."""
     _old: ast.AST | None = field(default=None, init=False)
 
     def begin(self) -> None:
@@ -179,6 +181,7 @@ def mended(source: str, functions: Iterable[str], cause: str = "") -> Iterator[t
         finally:
             for edit in reversed(chosen):
                 edit.end()
+        chosen[0].lines = tuple(sorted({edit.line for edit in chosen}))
         yield chosen[0], "\n".join(written)
 
 

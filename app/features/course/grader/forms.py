@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from app.features.course.grader.case import FormError, Outcome, Sign
+from app.features.course.grader.case import FormError, NoNumberError, Outcome, Sign
 from app.features.course.grader.words import Words
 from robot.geometry import Array
 
@@ -36,7 +36,7 @@ def array_of(value: Any, shape: tuple[int, ...], *, finite: bool = True) -> Arra
         raise _wanted(shape, str(result.shape))
     if finite and not np.isfinite(result).all():
         wrong = result[~np.isfinite(result)].flat[0]
-        raise FormError("The function gives {wrong} where a number is due.", wrong=wrong)
+        raise NoNumberError("The function gives {wrong} where a number is due.", wrong=wrong)
     return result
 
 

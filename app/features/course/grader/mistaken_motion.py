@@ -22,6 +22,19 @@ ORDERS = {
 }  # fmt: skip
 """Alphas that are taken for each other: all orders, and one that stands for two."""
 
+EXCHANGED = {"alphas-of-way": 0, "alphas-of-rot1": 1, "alphas-of-rot2": 2}
+"""Of way, first and second rotation: whose two alphas stand for each other."""
+
+OF_NOISE = {
+    "way-of-noisy-turns": (True, True, False, False),
+    "way-of-noisy-first": (True, False, False, False),
+    "turns-of-noisy-way": (False, False, True, True),
+    "second-of-noisy-way": (False, False, False, True),
+    "one-after-another": (True, False, False, True),
+}
+"""Variances of values that have their noise already: of the first and second rotation in the way's,
+of the way in the first and second rotation's."""
+
 SHARED = {
     "same-draw": (0, 0, 0), "same-rotations": (0, 1, 1), "same-first": (0, 0, 2),
     "same-second": (0, 1, 0),
@@ -50,6 +63,8 @@ def sampled(
     }
     way = by_mistake(mistakes, ways, way)
     way_hat, rot1_hat, rot2_hat = _noisy((way, rot1, rot2), alphas, len(poses), mistakes, seed)
+    if "rest-of-noisy" in mistakes:
+        rot2_hat = rot2_hat + rot1 - rot1_hat
     heading = poses[:, 2]
     thetas = {
         "turn-plain": wrap_angle(heading + turn),
@@ -124,7 +139,26 @@ def _noisy(
     if "positive" in mistakes:
         noise = np.abs(noise)
     made = np.array(step)[:, None] + deviations[:, None] * noise
+    noisy = by_mistake(mistakes, OF_NOISE, None)
+    if noisy is not None:
+        made = _of_noise(np.array(step), made, noise, alphas, noisy)
     return made[0], made[1], made[2]
+
+
+def _of_noise(
+    step: Array, made: Array, noise: Array, alphas: Array, noisy: tuple[bool, bool, bool, bool]
+) -> Array:
+    """Return way and rotations whose variances are made of some that have noise already."""
+    a1, a2, a3, a4 = alphas
+    way, rot1, rot2 = (np.full(made.shape[1], value) for value in step)
+    if noisy[0]:
+        second = made[2] if noisy[1] else rot2
+        spread = np.sqrt(a3 * way**2 + a4 * (made[1] ** 2 + second**2))
+        made[0] = way + spread * noise[0]
+    for part, plain in ((1, rot1), (2, rot2)):
+        if noisy[part + 1]:
+            made[part] = plain + np.sqrt(a1 * plain**2 + a2 * made[0] ** 2) * noise[part]
+    return made
 
 
 def _deviations(step: tuple[float, float, float], alphas: Array, mistakes: frozenset[str]) -> Array:
@@ -141,7 +175,12 @@ def _deviations(step: tuple[float, float, float], alphas: Array, mistakes: froze
         "second-twice": (rot2**2, rot2**2),
         "turns-exchanged": (rot2**2, rot1**2),
     }
-    variances = _sums(alphas, way**2, by_mistake(mistakes, taken, (rot1**2, rot2**2)), squares)
+    turns = by_mistake(mistakes, taken, (rot1**2, rot2**2))
+    variances = _sums(alphas, way**2, turns, squares)
+    exchanged = by_mistake(mistakes, EXCHANGED, None)
+    if exchanged is not None:
+        others = _sums(alphas[[1, 0, 3, 2]], way**2, turns, squares)
+        variances[exchanged] = others[exchanged]
     sizes = abs(way), (abs(rot1), abs(rot2)), abs(rot1) + abs(rot2)
     variances = by_mistake(
         mistakes,

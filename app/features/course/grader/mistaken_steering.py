@@ -38,6 +38,7 @@ FURTHER = (2, 3, 4, 5, 6, 8, 10, 15, 20)
 TARGETS = (
     *(
         "from-start",
+        "from-start-or-last",
         "up-to-nearest",
         "from-nearest",
         "nearest",
@@ -47,7 +48,7 @@ TARGETS = (
         "from-far",
         "one-less",
     ),
-    *("last-far", "at-ahead", "at-ahead-whole", "larger-x", "in-front"),
+    *("last-far", "last-far-anywhere", "at-ahead", "at-ahead-whole", "larger-x", "in-front"),
     *(f"further-{points}" for points in FURTHER),
 )
 ENDS: dict[str, int | None] = {"end-nearest": None, "end-first": 0, "end-before": -2}
@@ -68,8 +69,8 @@ SPEED_ANGLES = ("speed-heading", "speed-bearing")
 
 def commanded(arguments: tuple[Any, ...], mistakes: frozenset[str]) -> Array:
     """Return the speed and the turning speed of a controller with mistakes."""
-    pose, _, goal, _, _, delay = arguments
-    arrived = _is_there(pose, goal, mistakes)
+    delay = arguments[-1]
+    arrived = _is_there(arguments, mistakes)
     part = "goal" if arrived else "way"
     error = _goal_error(arguments, mistakes) if arrived else _way_error(arguments, mistakes)
     backs = _of_part(BROUGHT_BACK, part)
@@ -103,12 +104,16 @@ def _of_part(choices: Mapping[str, Any], part: str) -> dict[str, Any]:
     return {each: value for name, value in choices.items() for each in (name, f"{name}-{part}")}
 
 
-def _is_there(pose: Array, goal: Array, mistakes: frozenset[str]) -> bool:
+def _is_there(arguments: tuple[Any, ...], mistakes: frozenset[str]) -> bool:
+    pose, path, goal, _, ahead, _ = arguments
     dx, dy = np.abs(goal[:2] - pose[:2]).tolist()
     nears = {"goal-x": dx, "goal-y": dy, "goal-square": max(dx, dy), "goal-sum": dx + dy}
     nears |= {"all-square": max(dx, dy), "all-sum": dx + dy, "all-x": dx, "all-y": dy}
     near = by_mistake(mistakes, nears, math.hypot(dx, dy))
+    if "goal-nearest" in mistakes:
+        return bool(np.hypot(*(path - pose[:2]).T).argmin() == len(path) - 1)
     reach = math.sqrt(THERE_M) if "goal-rooted" in mistakes else THERE_M
+    reach = ahead if "goal-within-ahead" in mistakes else reach
     return near < reach and "no-goal" not in mistakes
 
 
@@ -157,6 +162,9 @@ def aimed_at(arguments: tuple[Any, ...], mistakes: frozenset[str]) -> int:
     within = np.flatnonzero(away <= ahead)
     targets = {
         "from-start": int(np.append(np.flatnonzero(away > ahead), last)[0]),
+        "from-start-or-last": int(
+            np.argmax(away > ahead) if (away[nearest:] > ahead).any() else last
+        ),
         "up-to-nearest": int(behind[0]) if len(behind) else last,
         "nearest": nearest,
         "last": last,
@@ -165,6 +173,7 @@ def aimed_at(arguments: tuple[Any, ...], mistakes: frozenset[str]) -> int:
         "from-far": int(within[-1]) if len(within) else nearest,
         "one-less": max(nearest, int(far[0]) - 1) if len(far) else last,
         "last-far": int(far[-1]) if len(far) else last,
+        "last-far-anywhere": int(np.append(last, np.flatnonzero(away > ahead))[-1]),
         "at-ahead": nearest + int(np.abs(away[nearest:] - ahead).argmin()),
         "at-ahead-whole": int(np.abs(away - ahead).argmin()),
     }

@@ -104,7 +104,8 @@ def _cells_along(
 ) -> NDArray[np.int_]:
     start = field.origin[axis]
     starts = {
-        "origin-ignored": 0.0, "origin-added": -start, "origin-swapped": field.origin[1 - axis]
+        "origin-ignored": 0.0, "origin-added": -start, "origin-swapped": field.origin[1 - axis],
+        "origin-undivided": start * field.cell,
     }  # fmt: skip
     apart = (along - by_mistake(mistakes, starts, start)) / field.cell
     cells: NDArray[np.int_] = np.floor(apart + 0.5 * ("rounded" in mistakes)).astype(int)

@@ -35,6 +35,13 @@ ANY = {
         "It has another form than the lesson asks for.",
         "Compare what you return with the stub's description.",
     ),
+    "no-number": Cause(
+        "The result cannot be used: it is infinite, or not a number.",
+        "Something is divided by 0 or grows without an end, or a root or a logarithm is taken of "
+        "what has none.",
+        "Which value of this case is 0? Follow it to where it is divided by: a direction, for one, "
+        "is arctan2(y, x), which divides by nothing.",
+    ),
     "error": Cause(
         "Python stops with an error.",
         "The function does not get to its return.",

@@ -73,8 +73,8 @@ FILTER = {
     ),
     "start-anywhere": Cause(
         "The last one of the list gets far too many copies, and the first ones too few.",
-        "The first number is anywhere between 0 and 1: with the steps, the others run beyond the "
-        "line's end.",
+        "The first number does not lie below 1/n: with the steps, the others run beyond the line's "
+        "end.",
         "The first number lies below 1/n, and n - 1 steps follow. For four particles: how far "
         "does the last of them come?",
     ),
@@ -232,9 +232,16 @@ FILTER = {
         "parts.resample returns poses and weights; the old ones do not change by themselves.",
     ),
     "standing": Cause(
-        "The robot moves, and the filter does not notice.",
-        "It counts as standing though it drove, or turned.",
+        "The robot moves, and the filter does not notice, or the other way round.",
+        "It counts as standing though it drove or turned, or the way is another one than the "
+        "length of (dx, dy).",
         "It stands only if both are small: the way, in any direction, and the turn, either way.",
+    ),
+    "standing-units": Cause(
+        "The robot stands, and the filter goes on.",
+        "Way and turn are taken together, or the turn is compared with the way's limit.",
+        "The way is the length of (dx, dy) alone, and its limit is 0.001 m; that of the turn is "
+        "0.01 rad.",
     ),
     "added": Cause(
         "A particle that fits nothing keeps its weight.",
@@ -245,6 +252,11 @@ FILTER = {
         "The effective sample size is nonsense.",
         "The weights do not sum to one.",
         "Divide the weights by their sum.",
+    ),
+    "drawn-unnormalized": Cause(
+        "Who survives has little to do with the weights.",
+        "The draw gets weights that do not sum to one.",
+        "parts.resample lays the weights on a line from 0 to 1: divide them by their sum before.",
     ),
     "size-unnormalized": Cause(
         "It resamples at the wrong time.",
@@ -300,7 +312,8 @@ FILTER = {
     ),
     "field-size": Cause(
         "Particles lie beyond the field, or leave a part of it empty.",
-        "Width or height of the field is not what it is, or the extent's order is another.",
+        "A side of the field, its width or its height is not what it is, or the extent's order is "
+        "another.",
         "The extent is left, bottom, right, top. How wide is a field from x 0.5 to 1.5 m?",
     ),
     "half-circle": Cause(
@@ -335,6 +348,11 @@ FILTER = {
         "The new values of the memories, or of one of them, are not kept.",
         "memory.slow and memory.fast themselves have to change, each time.",
     ),
+    "memory-forgets": Cause(
+        "The memories remember nothing but the newest fit.",
+        "Of what a memory was before nothing is left: it is a share of the newest fit alone.",
+        "memory.slow + 0.05 * (fit - memory.slow): what would come of it without the brackets?",
+    ),
     "memory-mixed": Cause(
         "One memory follows the other instead of the fits.",
         "A memory is made of the other memory's value, and not of its own.",
@@ -360,6 +378,12 @@ FILTER = {
         "New particles come when all is well.",
         "The two memories are exchanged.",
         "The slow one takes 0.05 of the newest fit, the fast one 0.5.",
+    ),
+    "chosen-twice": Cause(
+        "Fewer new particles come than are due.",
+        "Some particles are chosen twice to be replaced, and others in their place not at all.",
+        "A draw may give the same index again. One random number for each particle, "
+        "rng.random(len(poses)) < share, chooses none twice.",
     ),
     "one-place": Cause(
         "All new particles are at the same place.",

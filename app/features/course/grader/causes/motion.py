@@ -66,6 +66,11 @@ MOTION = {
         "The turn is made of the sum of the wheels' ways, not of their difference.",
         "If both wheels roll alike, how far does the robot turn?",
     ),
+    "way-for-turn": Cause(
+        "The robot turns where it should drive ahead, and drives where it should turn.",
+        "Sum and difference of the wheels' ways are exchanged.",
+        "If both wheels roll alike, does the robot drive, or turn?",
+    ),
     "axis-lost": Cause(
         "The robot never leaves a line.",
         "One of x and y stays as it was.",
@@ -179,7 +184,8 @@ MOTION = {
     ),
     "second-turn": Cause(
         "Headings are wrong after an arc.",
-        "The second rotation is the whole turn, though the first one was a part of it.",
+        "The second rotation is not what the first one leaves of the turn: the first one is not "
+        "taken off, or added to it.",
         "Both rotations together are the turn: how much is left after the first?",
     ),
     "variances": Cause(
@@ -214,6 +220,12 @@ MOTION = {
         "The cloud is shifted, or has sharp ends.",
         "The noise is not normally distributed about zero.",
         "Use rng.standard_normal, as it is.",
+    ),
+    "noise-of-noise": Cause(
+        "The cloud is too wide, the more so the larger its noise is.",
+        "A variance is made of a way or a rotation that has its noise already.",
+        "Work out all three variances first, of the step as it was measured; then add the noise, "
+        "under other names.",
     ),
     "same-draw": Cause(
         "The cloud has another shape: errors that have nothing to do with each other go along.",

@@ -28,9 +28,16 @@ SENSOR = {
     ),
     "origin-wrong": Cause(
         "The cloud is shifted by a constant.",
-        "The place where the field begins is used wrongly: x for y, or added instead of "
-        "subtracted.",
-        "A cell's column counts from the origin's x, its row from the origin's y.",
+        "The place where the field begins is used wrongly: x for y, added instead of subtracted, "
+        "or in metres where cells are counted.",
+        "A cell's column counts from the origin's x, its row from the origin's y: take it off "
+        "first, then divide.",
+    ),
+    "negative-lost": Cause(
+        "On one side of the field no guess fits.",
+        "Places whose x or y is negative count as others.",
+        "Ends may lie anywhere: take field.origin off, divide by the cell, and keep rows and "
+        "columns within the field as the last step.",
     ),
     "S5": Cause(
         "The cloud is shifted by a constant.",

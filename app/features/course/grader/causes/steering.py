@@ -40,6 +40,12 @@ STEERING = {
         "How far the goal is away is not the length of (dx, dy).",
         "Nearer than 10 mm means a circle: math.hypot(dx, dy) < 0.01.",
     ),
+    "goal-reach": Cause(
+        "The robot stops before it is at its goal.",
+        "It counts as arrived by something else than 10 mm: by the look-ahead distance, or where "
+        "the way's last point is the nearest one.",
+        "Nearer than 10 mm: math.hypot(goal[0] - x, goal[1] - y) < 0.01.",
+    ),
     "goal-early": Cause(
         "The robot turns to the goal's heading long before it is there.",
         "On the way the error is that of the goal's heading.",

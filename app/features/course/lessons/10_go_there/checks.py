@@ -71,6 +71,9 @@ def cases(seed: int) -> list[Case]:
         _case("goal", "It is at the goal.", (0.303, -0.004, 2.9), straight, -2.8),
         _case("way", "It is beside its goal.", (0.297, 0.053, -0.7), straight, 1.0),
         _case("way", "It is close to its goal.", (0.2923, 0.0087, 0.3), straight, 1.0),
+        _case("way", "It is close to its goal.", (0.2843, 0.0087, 0.3), straight, 1.0, ahead=0.2),
+        _case("way", "The goal is near.", (0.153, 0.021, 0.1), straight, 1.0, ahead=0.2),
+        _case("way", "It is past its goal.", (0.331, 0.011, 2.5), straight, 1.0),
         _case("goal", "It is at the goal.", (0.2935, 0.0055, 0.4), straight, -2.6),
         _case("way", "It is at a point of its way.", (-0.0813, 0.0011, 0.2), straight, 0.0),
     ]
@@ -178,6 +181,7 @@ CHECKS = Checks(
             Hypothesis(name, "goal-place")
             for name in ("goal-x", "goal-y", "goal-square", "goal-sum")
         ),
+        *(Hypothesis(name, "goal-reach") for name in ("goal-nearest", "goal-within-ahead")),
         Hypothesis("goal-rooted", "goal-rooted", broad=True),
         *(
             Hypothesis(f"{part}-{rule}", "distance")
@@ -185,6 +189,7 @@ CHECKS = Checks(
             for part in ("path", "all")
         ),
         Hypothesis("from-start", "look-behind", frozenset(TARGETS)),
+        Hypothesis("from-start-or-last", "look-behind", frozenset(TARGETS)),
         Hypothesis("before", "look-behind", frozenset(TARGETS)),
         Hypothesis("up-to-nearest", "look-behind", frozenset(TARGETS)),
         Hypothesis("nearest", "no-look-ahead", frozenset(TARGETS)),
@@ -196,6 +201,7 @@ CHECKS = Checks(
         *(Hypothesis(f"further-{n}", "points-counted", frozenset(TARGETS)) for n in FURTHER),
         Hypothesis("last", "corners-cut", frozenset(TARGETS)),
         Hypothesis("last-far", "corners-cut", frozenset(TARGETS)),
+        Hypothesis("last-far-anywhere", "corners-cut", frozenset(TARGETS)),
         Hypothesis("larger-x", "ahead-axis", frozenset(TARGETS)),
         Hypothesis("in-front", "ahead-axis", frozenset(TARGETS)),
         *(

@@ -38,6 +38,7 @@ WAYS: dict[str, Callable[[float, float], float]] = {
     "larger": lambda left, right: max(left, right, key=abs),
     "twice": lambda left, right: left + right,
     "difference": lambda left, right: (right - left) / 2,
+    "exchanged": lambda left, right: (right - left) / 2,
     "left-whole": lambda left, right: left + right / 2,
 }
 TURNS = {
@@ -99,7 +100,7 @@ def expected(case: Case, mistakes: frozenset[str]) -> Array:
     pose, left, right, track = case.arguments
     way, turn = _way(left, right, mistakes), (right - left) / track
     turn = right - left / track if "right-whole" in mistakes else turn
-    if "turn-summed" in mistakes:
+    if mistakes & {"turn-summed", "exchanged"}:
         turn = (right + left) / track
     if "turn-right-alone" in mistakes:
         turn = right / track
@@ -233,6 +234,7 @@ CHECKS = Checks(
         *(Hypothesis(name, "M4", frozenset(WAYS)) for name in list(WAYS)[:4]),
         Hypothesis("twice", "way"),
         Hypothesis("difference", "way"),
+        Hypothesis("exchanged", "way-for-turn", frozenset([*WAYS, *TURNS])),
         Hypothesis("left-whole", "brackets", frozenset(WAYS)),
         Hypothesis("right-whole", "brackets", frozenset(TURNS)),
         Hypothesis("other-way", "turn-sign", frozenset(TURNS)),

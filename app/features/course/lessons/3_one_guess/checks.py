@@ -37,10 +37,14 @@ QUARTERS = np.array([0.0, 1.0, 2.0, -1.0]) * math.pi / 2
 EACH_OR_ONE = ("", "-x", "-y")
 """A mistake of both coordinates, or of one alone."""
 STARTS = frozenset(
-    f"origin-{mistake}{axis}" for mistake in ("ignored", "added", "swapped") for axis in EACH_OR_ONE
+    f"origin-{mistake}{axis}"
+    for mistake in ("ignored", "added", "swapped", "undivided")
+    for axis in EACH_OR_ONE
 )
 PRODUCTS = ("product", "late-logarithm")
 JOINTS = frozenset([*JOINED, *INVERSES])
+NEGATIVE_M = 1.4
+"""How far a field is put to the left and downwards, so that all its tape is below 0 [m]."""
 CUT_ROW, CUT_COLUMN = 35, 85
 """Where a field is cut so that its tape lies at its border, at the bottom and at the right."""
 
@@ -57,6 +61,7 @@ def cases(seed: int) -> list[Case]:
     made += [_any_pose(field, rng, rays, kind) for rays, kind in ((3, "few"), (20, "few"))]
     made.append(_any_pose(field, rng, 12, "no-return"))
     made += [_beyond(field, *ray) for ray in ((-math.pi / 2, 0.66), (0.0, 0.46))]
+    made.append(_negative(field))
     made.append(_lattice(field, rng, 24, "particles"))
     made.append(_lattice(field, rng, 600, "many"))
     return made
@@ -69,6 +74,7 @@ def _case(poses: Array, scan: tuple[Array, Array], field: SimpleNamespace, kind:
         "few": "One guess and {rays} rays.",
         "no-return": "One guess and {rays} rays; some of them saw no tape and are infinite.",
         "beyond": "One guess, one ray, whose end is beyond the field's border, near tape.",
+        "negative": "One guess, one ray; the field lies where x and y are negative.",
         "particles": "{count} guesses and {rays} rays.",
         "many": "{count} guesses and {rays} rays, as a good camera has them.",
     }[kind]
@@ -89,6 +95,15 @@ def _beyond(field: SimpleNamespace, heading: float, far: float) -> Case:
     )
     pose = np.array([[0.71, 0.81, heading]])
     return _case(pose, (np.zeros(1), np.array([far])), cut, "beyond")
+
+
+def _negative(field: SimpleNamespace) -> Case:
+    """Put a field where x and y are negative: whoever keeps ends above 0 has none of it."""
+    shifted = SimpleNamespace(
+        distances=field.distances, origin=field.origin - NEGATIVE_M, cell=field.cell
+    )
+    pose = np.array([[0.71 - NEGATIVE_M, 0.93 - NEGATIVE_M, -math.pi / 2]])
+    return _case(pose, (np.zeros(1), np.array([0.58])), shifted, "negative")
 
 
 def _one_ray(field: SimpleNamespace, distance: float) -> Case:
@@ -186,7 +201,10 @@ def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
         yield Sign("S7", spread[0], weak=one_seen)
         return
     wrong = [item for item in outcomes if not _right(item)]
-    for kind, cause in (("no-return", "no-return"), ("beyond", "beyond")):
+    for kind, cause in (
+        *(("no-return", "no-return"), ("beyond", "beyond")),
+        ("negative", "negative-lost"),
+    ):
         if wrong and all(item.case.kind == kind for item in wrong):
             yield Sign(cause, wrong[0])
             return
@@ -312,7 +330,7 @@ CHECKS = Checks(
         *(Hypothesis(f"origin-ignored{axis}", "S5", STARTS) for axis in EACH_OR_ONE),
         *(
             Hypothesis(f"origin-{mistake}{axis}", "origin-wrong", STARTS)
-            for mistake in ("added", "swapped")
+            for mistake in ("added", "swapped", "undivided")
             for axis in EACH_OR_ONE
         ),
         # Cells far away and a curve far too narrow give the same: a line that mends it goes first.
@@ -353,7 +371,8 @@ CHECKS = Checks(
         *_of_each_or_one("place-exchanged", "place-axes"),
         *_of_each_or_one("ray-backwards", "ray-sign"),
         *(Hypothesis(name, "map-turned") for name in ("upside-down", "row-negative", "mirrored")),
-        *(Hypothesis(name, "cell-off", frozenset(OFF)) for name in OFF),
+        # With another origin it would explain any shift.
+        *(Hypothesis(name, "cell-off", frozenset([*OFF, *STARTS])) for name in OFF),
         Hypothesis("nothing-squared", "square"),
         Hypothesis("no-curve", "no-curve"),
         Hypothesis("negative", "log-sign", JOINTS),

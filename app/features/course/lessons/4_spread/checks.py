@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from app.features.course.grader.case import REFERENCE, Case, Checks, Hypothesis, Outcome, Sign
 from app.features.course.grader.drawing import draw_clouds, draw_poses
@@ -16,7 +17,7 @@ from app.features.course.grader.forms import (
     heading_signs,
     headings_apart,
 )
-from app.features.course.grader.mistaken_motion import ORDERS, SHARED, sampled
+from app.features.course.grader.mistaken_motion import EXCHANGED, OF_NOISE, ORDERS, SHARED, sampled
 from app.features.course.grader.words import Words
 from robot.geometry import Array, compose, wrap_angle
 
@@ -32,6 +33,8 @@ by 0.03, and noise on one part alone changes it by 0.5 and more."""
 OPPOSITE = 0.5
 """Directions so near to the opposite one are those of a way whose noise made it negative [rad]."""
 NOISELESS = np.zeros(4)
+ALPHA3_ALONE = (False, False, True, False)
+"""Which alphas are above 0 where ways differ and nothing else does."""
 STEPS = (
     ("straight", "A step of 50 mm straight ahead, without noise.", (0.05, 0.0, 0.0)),
     ("spin", "A turn of 30° on the spot, without noise.", (0.0, 0.0, math.radians(30))),
@@ -42,6 +45,7 @@ STEPS = (
 NOISES = (
     ("noise", "Straight ahead, alpha2 alone: driving turns.", (0.1, 0.0, 0.0), (0, 0.3, 0, 0)),
     ("noise", "Straight ahead, alpha3 alone: ways differ.", (0.1, 0.0, 0.0), (0, 0, 0.02, 0)),
+    ("noise", "Straight ahead for 1 m, all but alpha1.", (1.0, 0.0, 0.0), (0, 0.02, 0.02, 0.5)),
     ("turn", "On an arc, alpha1 alone: turns differ.", (0.08, 0.03, 0.9), (0.02, 0, 0, 0)),
     ("spin-noise", "A turn on the spot, alpha1 alone.", (0.0, 0.0, 0.6), (0.02, 0, 0, 0)),
     ("turn", "On an arc, alpha4 alone: turning shifts.", (0.08, 0.03, 0.9), (0, 0, 0, 0.0005)),
@@ -56,8 +60,20 @@ PARTS = ("way", "rot1", "rot2")
 WAYS_UNSQUARED = ("way-unsquared", "own-way-unsquared", "turned-way-unsquared")
 HALF_SQUARED = ("turns-unsquared", "turned-unsquared", *WAYS_UNSQUARED)
 SUMS = ("first-alone", "second-alone", "sum-squared", "unsquared", *HALF_SQUARED, *LOST, *TURNS)
+NOISY = (*OF_NOISE, "rest-of-noisy")
 SIZES = frozenset(
-    ["variance", "absolute", "no-noise", "uniform", "positive", "from-zero", *SWAPS, *SUMS]
+    [
+        "variance",
+        "absolute",
+        "no-noise",
+        "uniform",
+        "positive",
+        "from-zero",
+        *SWAPS,
+        *SUMS,
+        *EXCHANGED,
+        *NOISY,
+    ]
 )
 
 
@@ -90,7 +106,7 @@ def _cloud(
     kind, text, moved, alphas = noise
     words = Words("{step} {count} particles in one place.", {"step": Words(text), "count": COUNT})
     arguments = (np.zeros((COUNT, 3)), np.array(moved), np.array(alphas, dtype=float))
-    errors = LIKELY / math.sqrt(COUNT) * np.array([1, 1, 1, 0.72, 0.72, 0.72, 1, 1, 1, 1])
+    errors = LIKELY / math.sqrt(COUNT) * np.array([1] * 3 + [0.72] * 3 + [1] * 4 + [1.8] * 2)
     return Case("motion", arguments, words, kind, errors, (seed,))
 
 
@@ -109,7 +125,8 @@ def features(outcome: Outcome) -> Array:
 
 def _spread(poses: Array, case: Case) -> Array:
     """Return of way, direction and turn: shifts in deviations, their logarithms, correlations:
-    of each particle with the next, and of the way with direction and turn.
+    of each particle with the next, of the way with direction and turn, and with how much both
+    rotations vary.
 
     The error of each is the same whatever the spread is. A shift that is large is as uncertain as
     the deviation it is told in, so its inverse hyperbolic sine is given: of small ones that is the
@@ -132,7 +149,15 @@ def _spread(poses: Array, case: Case) -> Array:
     related = [float((scaled[:-1, axis] * scaled[1:, axis]).mean()) for axis in (0, 2)]
     shifts = np.arcsinh(errors.mean(axis=0) / deviations)
     related += [float((scaled[:, 0] * scaled[:, axis]).mean()) for axis in (1, 2)]
+    related += [float((scaled[:, 0] * square).mean()) for square in _squares(errors)]
     return np.concatenate([shifts, np.log(deviations), related])
+
+
+def _squares(errors: Array) -> Iterator[Array]:
+    """Return the squares of what both rotations are off by, in deviations."""
+    for rotation in (errors[:, 1], errors[:, 2] - errors[:, 1]):
+        off = rotation - rotation.mean()
+        yield (off / max(off.std(), 1e-6)) ** 2
 
 
 def _steps(poses: Array, moved: Array) -> Array:
@@ -201,19 +226,29 @@ def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
 
 def _without_noise(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
     """Name a part of the step that all particles of a cloud have alike: due, or by one draw."""
-    ways = [item for item in outcomes if _is_cloud(item.case) and item.case.arguments[2][2] == 0.02]
+    clouds = [item for item in outcomes if _is_cloud(item.case)]
+    ways = [item for item in clouds if tuple(item.case.arguments[2] > 0) == ALPHA3_ALONE]
     if any(features(item)[4] > math.log(100 * ALIKE) for item in ways):
         yield Sign("noise-on-place", ways[0], weak=True)
         return
-    for outcome in outcomes:
-        if not _is_cloud(outcome.case):
-            continue
-        given, due = features(outcome), expected(outcome.case, REFERENCE)
-        alike = (given[3:6] < math.log(ALIKE)) & (due[3:6] > math.log(100 * ALIKE))
-        if alike.any():
-            shifts = np.abs(np.sinh(given[:3]) * np.exp(given[3:6]))[alike]
-            yield Sign("M5" if shifts.max() > 100 * ALIKE else "noise-lost", outcome, weak=True)
+    noisy = [_noisy_parts(np.asarray(item.result), item.case) for item in clouds]
+    due = [_noisy_parts(sampled(*_given(item.case), REFERENCE, 1), item.case) for item in clouds]
+    for part in range(len(PARTS)):
+        wanted = [number for number, parts in enumerate(due) if parts[part]]
+        if wanted and not any(noisy[number][part] for number in wanted):
+            outcome = clouds[wanted[0]]
+            given = features(outcome)
+            shifts = np.abs(np.sinh(given[:3]) * np.exp(given[3:6]))[given[3:6] < math.log(ALIKE)]
+            shifted = shifts.size and shifts.max() > 100 * ALIKE
+            yield Sign("M5" if shifted else "noise-lost", outcome, weak=True)
             return
+
+
+def _noisy_parts(poses: Array, case: Case) -> NDArray[np.bool_]:
+    """Return of way, first and second rotation whether they differ from particle to particle."""
+    way, toward, turn = _steps(poses, case.arguments[1]).T
+    apart = [np.ptp(way), *(np.ptp(wrap_angle(each - each[0])) for each in (toward, turn - toward))]
+    return np.array(apart) > 100 * ALIKE
 
 
 def _areas(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
@@ -302,6 +337,8 @@ CHECKS = Checks(
         Hypothesis("rooted-twice", "rooted-twice", SIZES),
         Hypothesis("absolute", "variances", SIZES),
         *(Hypothesis(name, "alphas", SIZES) for name in SWAPS),
+        *(Hypothesis(name, "alphas", SIZES) for name in EXCHANGED),
+        *(Hypothesis(name, "noise-of-noise", SIZES, "noise") for name in NOISY),
         *(Hypothesis(name, "variances", SIZES) for name in SUMS),
         Hypothesis("uniform", "noise-form", SIZES),
         Hypothesis("positive", "noise-form", SIZES),

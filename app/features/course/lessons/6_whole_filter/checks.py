@@ -51,6 +51,12 @@ MOVES = (
     ("stand", "It stands.", (0.0, 0, 0), UNEVEN, MILD),
     ("stand", "It stands: it moved 0.8 mm.", (0.0008, 0, 0), UNEVEN, MILD),
     ("stand", "It stands: it turned 0.008 rad.", (0.0, 0, 0.008), UNEVEN, MILD),
+    ("stand", "It stands: it turned 0.0005 rad.", (0.0, 0, 0.0005), UNEVEN, MILD),
+    ("stand", "It stands: it moved 0.8 mm, and turned 0.0008 rad.", (0.0008, 0, 0.0008), UNEVEN,
+     MILD),
+    ("stand", "It stands: it moved 0.6 mm ahead and 0.6 mm to the side.", (0.0006, 0.0006, 0),
+     UNEVEN, MILD),
+    ("move", "It moved 0.8 mm ahead and 0.8 mm to the side.", (0.0008, 0.0008, 0), UNEVEN, MILD),
     ("move", "It moved 1.2 mm.", (0.0012, 0, 0), UNEVEN, MILD),
     ("move", "It moved 1.2 mm, nearly all of it to the side.", (0.0002, 0.0012, 0), UNEVEN, MILD),
     ("move", "It turned 0.012 rad on the spot.", (0.0, 0, 0.012), UNEVEN, MILD),
@@ -74,7 +80,17 @@ RUNS, ROUNDS, COUNT = 20, 8, 150
 NEAR_M = 0.12
 TIMES = frozenset(["never-resamples", "always-resamples", "the-other-way"])
 _TOLD: WeakKeyDictionary[Outcome, Array] = WeakKeyDictionary()
-STANDS = ("either", "way-alone", "signed", "ahead-alone", "ahead-size", "side-lost")
+STANDS = (
+    "either",
+    "way-alone",
+    "signed",
+    "ahead-alone",
+    "ahead-size",
+    "side-lost",
+    "larger",
+    "sizes",
+)
+UNITS = ("all-three", "all-summed", "turn-as-way")
 
 
 @dataclass(eq=False)
@@ -83,10 +99,13 @@ class CountedParts:
 
     fits: Array
     calls: dict[str, int] = field(default_factory=dict)
+    drawn: float = 0.0
+    """The sum of the weights that resample was given last; 0 before."""
 
     def reset(self) -> None:
         """Count from zero."""
         self.calls = {"motion": 0, "log_weight": 0, "resample": 0}
+        self.drawn = 0.0
 
     def motion(self, poses: Array, moved: Array) -> Array:
         """Add the step."""
@@ -103,7 +122,9 @@ class CountedParts:
     def resample(self, poses: Array, weights: Array) -> tuple[Array, Array]:
         """Draw the heaviest twice, and forget the lightest."""
         self.calls["resample"] += 1
-        order = np.argsort(-np.nan_to_num(np.asarray(weights)), kind="stable")
+        known = np.nan_to_num(np.asarray(weights))
+        self.drawn = float(known.sum())
+        order = np.argsort(-known, kind="stable")
         drawn = np.append(order[0], order[:-1])
         return np.asarray(poses)[drawn], np.full(len(drawn), 1 / len(drawn))
 
@@ -170,7 +191,7 @@ def _valid(result: Any, count: int) -> tuple[Array, Array]:
 
 
 def features(outcome: Outcome) -> Array:
-    """Poses and weights after the round, and which parts were asked."""
+    """Weights and poses after the round, the sum of what was drawn from, which parts were asked."""
     if outcome.case.kind == "drives":
         return np.array([outcome.result])
     if outcome not in _TOLD:  # the case's counts are those of its last round alone
@@ -185,7 +206,7 @@ def _count(case: Case) -> int:
 def _features(poses: Array, weights: Array, case: Case) -> Array:
     recorder: CountedParts = case.offered["motion"].__self__  # type: ignore[attr-defined]
     asked = [min(1, count) for count in recorder.calls.values()]
-    return np.concatenate([weights, poses.ravel(), np.array(asked, dtype=float)])
+    return np.concatenate([weights, poses.ravel(), np.array([recorder.drawn, *asked])])
 
 
 def expected(case: Case, mistakes: frozenset[str]) -> Array:
@@ -232,8 +253,8 @@ def _loop(
     if "not-kept" in mistakes:
         drawn, _ = _survivors(poses, weights, parts, REFERENCE)
         return (poses, prior) if drawn is poses else parts.resample(poses, prior)
-    unnormalized = "size-unnormalized" in mistakes
-    raw = _weighed(prior, fits, mistakes | {"not-normalized"}) if unnormalized else None
+    raw = _weighed(prior, fits, mistakes | {"not-normalized"})
+    raw = _weighed(np.ones(len(poses)), fits, REFERENCE) if "draws-by-scan" in mistakes else raw
     drawn, weights = _survivors(poses, weights, parts, mistakes, raw)
     return drawn, np.log(weights) if "log-returned" in mistakes and drawn is poses else weights
 
@@ -270,12 +291,24 @@ def _weighed(prior: Array, fits: Array, mistakes: frozenset[str]) -> Array:
 
 def _stands(moved: Array, mistakes: frozenset[str]) -> bool:
     dx, dy, turn = moved
-    ways = {"ahead-alone": dx, "ahead-size": abs(dx), "side-lost": dx + dy}
+    ways = {
+        "ahead-alone": dx,
+        "ahead-size": abs(dx),
+        "side-lost": dx + dy,
+        "larger": max(abs(dx), abs(dy)),
+        "sizes": abs(dx) + abs(dy),
+    }
     way = next((each for name, each in ways.items() if name in mistakes), math.hypot(dx, dy))
+    if "all-three" in mistakes:
+        return math.hypot(way, turn) < STILL_M
+    if "all-summed" in mistakes:
+        return bool(abs(dx) + abs(dy) + abs(turn) < STILL_M)
     short = way < STILL_M
     straight = (turn if "signed" in mistakes else abs(turn)) < STILL_RAD
     if "turn-in-degrees" in mistakes:
         straight = math.degrees(abs(turn)) < STILL_RAD
+    if "turn-as-way" in mistakes:
+        straight = abs(turn) < STILL_M
     if "either" in mistakes:
         return bool(short or straight)
     return bool(short and (straight or "way-alone" in mistakes))
@@ -288,8 +321,10 @@ def _survivors(
     mistakes: frozenset[str],
     raw: Array | None = None,
 ) -> tuple[Array, Array]:
+    """Return what is left of particles, by their weights or by those whose sum is another yet."""
     shares = weights / weights.sum() if "normalized-late" in mistakes else weights
-    shares = shares if raw is None else raw
+    of_raw = mistakes & {"size-unnormalized", "draws-by-scan"}
+    shares = raw if raw is not None and of_raw else shares
     effective = 1 / (shares**2).sum()
     wanted = effective < len(poses) / 2
     if "never-resamples" in mistakes:
@@ -300,7 +335,9 @@ def _survivors(
         wanted = effective > len(poses) / 2
     if not wanted:
         return poses, weights
-    drawn, even = parts.resample(poses, weights)
+    of_raw = mistakes & {"draws-unnormalized", "draws-by-scan"}
+    shares = raw if raw is not None and of_raw else weights
+    drawn, even = parts.resample(poses, shares)
     if "survivors-lost" in mistakes:
         return poses, weights
     return drawn, weights if "weights-kept" in mistakes else even
@@ -337,8 +374,8 @@ def _areas(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
         if np.abs(given - due).max() <= outcome.case.tolerance:
             continue
         poses, weights = outcome.case.arguments[:2]
-        kept = _features(poses, weights, outcome.case)[:-3]
-        if outcome.case.kind != "stand" and np.array_equal(given[:-3], kept):
+        kept = np.concatenate([weights, poses.ravel()])
+        if outcome.case.kind != "stand" and np.array_equal(given[: len(kept)], kept):
             yield Sign("standing", outcome, weak=True)
         elif given[-1] != due[-1]:
             yield Sign("threshold", outcome, weak=True)
@@ -403,6 +440,7 @@ CHECKS = Checks(
         ),
         Hypothesis("added", "added"),
         Hypothesis("not-kept", "S7"),
+        Hypothesis("draws-by-scan", "R6", kind="edge"),
         Hypothesis("never-resamples", "no-resampling", TIMES, broad=True),
         Hypothesis("always-resamples", "resampling-always", TIMES, broad=True),
         Hypothesis("the-other-way", "resampling-reversed", TIMES),
@@ -420,6 +458,8 @@ CHECKS = Checks(
         Hypothesis("log-returned", "log-returned"),
         *(Hypothesis(name, "standing", frozenset(STANDS)) for name in STANDS),
         Hypothesis("turn-in-degrees", "S4", frozenset(STANDS)),
+        *(Hypothesis(name, "standing-units", frozenset(STANDS), broad=True) for name in UNITS),
+        Hypothesis("draws-unnormalized", "drawn-unnormalized", kind="survive"),
     ),
     signs=signs,
     show=show,

@@ -65,8 +65,17 @@ CLOUDS: tuple[tuple[str, str, Array, Array], ...] = (
      np.array([[0.0, 0.0, 0.0], [0.0, 0.0, -0.4], [0.0, 0.0, 0.6]]), np.array([0.4, 0.3, 0.3])),
 )  # fmt: skip
 AXES = ("x", "y", "heading")
+SIDES = (
+    *("width-twice", "height-twice", "left-twice", "bottom-twice", "left-lowest"),
+    *("bottom-leftmost", "right-highest", "top-rightmost", "x-range-twice", "y-range-twice"),
+)
+"""Sides of the field that are taken for each other, as in a line that was copied."""
+ELSEWHERE = 0.02
+"""Particles that lie evenly, but begin or end so much beside the field's side, lie on another field
+[shares of its size]."""
 STARTS = frozenset(
     {
+        *SIDES,
         *("front-half", "xy-exchanged", "size-alone", "one-number"),
         *("from-zero", "size-from-zero", "right-as-width", "pairs", "diagonal"),
         *("half-circle", "heading-small", "heading-zero", "heading-unsigned"),
@@ -163,6 +172,16 @@ def _spread(extent: Array, mistakes: frozenset[str]) -> Array | None:
         "right-as-width": ((left, bottom), (left + right, bottom + top)),
         "xy-exchanged": ((bottom, left), (top, right)),
         "pairs": ((left, right), (bottom, top)),
+        "width-twice": ((left, bottom), (right, bottom + width)),
+        "height-twice": ((left, bottom), (left + height, top)),
+        "left-twice": ((left, left), (right, left + height)),
+        "bottom-twice": ((bottom, bottom), (bottom + width, top)),
+        "left-lowest": ((left, left), (right, top)),
+        "bottom-leftmost": ((bottom, bottom), (right, top)),
+        "right-highest": ((left, bottom), (right, right)),
+        "top-rightmost": ((left, bottom), (top, top)),
+        "x-range-twice": ((left, left), (right, right)),
+        "y-range-twice": ((bottom, bottom), (top, top)),
     }
     headings = {
         "half-circle": (0.0, math.pi),
@@ -261,11 +280,24 @@ def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
     for outcome in outcomes:
         if outcome.case.kind == "seeds":
             starts = [np.asarray(answer.result) for answer in outcome.answers]
-            yield from generator_signs(outcome, starts)
+            chance = list(generator_signs(outcome, starts))
+            yield from chance
+            if chance and not _field_missed(outcomes):
+                return  # how evenly they lie follows from that
     for outcome in outcomes:
         if near and outcome.case.kind == "around" and _toward(outcome) < 0.5:
             yield Sign("E1", outcome)
     yield from _areas(outcomes)
+
+
+def _field_missed(outcomes: Sequence[Outcome]) -> bool:
+    """Return whether an estimate is wrong, or a start beyond what is counted off evenly."""
+    for outcome in outcomes:
+        apart = np.abs(features(outcome) - expected(outcome.case, frozenset()))
+        far = outcome.case.function == "estimate" or apart[:6].max() > ELSEWHERE
+        if far and (apart > outcome.case.tolerance).any():
+            return True
+    return False
 
 
 def _given_poses(outcome: Outcome) -> Array:
@@ -289,8 +321,20 @@ def _uneven(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
         middle = np.abs(values[:3] - 0.5).max() < 0.05
         if middle and np.abs(values[3:6] - due[3:6]).max() > 0.02:
             wide = np.ptp(poses[:, 2]) > 1.6 * math.pi
-            yield Sign("not-even" if wide else "half-circle", outcome)
+            uneven = "field-size" if _on_another_field(outcome) else "not-even"
+            yield Sign(uneven if wide else "half-circle", outcome)
             return
+
+
+def _on_another_field(outcome: Outcome) -> bool:
+    """Return whether particles lie evenly from side to side, but of a field with other sides."""
+    left, bottom, right, top = outcome.case.arguments[0]
+    places = np.asarray(outcome.result)[:, :2]
+    shares = (places - [left, bottom]) / [right - left, top - bottom]
+    low, high = shares.min(axis=0), shares.max(axis=0)
+    even = np.abs(shares.std(axis=0) / np.maximum(high - low, 1e-9) - 12**-0.5) < ELSEWHERE
+    other = np.maximum(np.abs(low), np.abs(high - 1)) > ELSEWHERE
+    return bool(even.all() and other.any())
 
 
 def _others(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
@@ -336,7 +380,8 @@ def _areas(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
         if not right.all():
             if outcome.case.function == "init":
                 together = abs(features(outcome)[X_WITH_Y]) > ONE_LINE
-                yield Sign("diagonal" if together else "not-even", outcome, weak=True)
+                uneven = "field-size" if _on_another_field(outcome) else "not-even"
+                yield Sign("diagonal" if together else uneven, outcome, weak=True)
             else:
                 area = "place" if right[2:].all() else "estimate"
                 yield Sign("heading" if right[:2].all() else area, outcome, weak=True)
@@ -398,6 +443,7 @@ CHECKS = Checks(
         Hypothesis("swapped", "arctan"),
         Hypothesis("right-as-width", "field-size", STARTS),
         Hypothesis("pairs", "field-size", STARTS),
+        *(Hypothesis(name, "field-size", STARTS, broad=True) for name in SIDES),
         Hypothesis("diagonal", "diagonal", STARTS),
         Hypothesis("unweighted", "weights-ignored"),
         Hypothesis("from-zero", "S5", STARTS),

@@ -55,6 +55,9 @@ KEEPINGS = {
     "fast-kept": "memory-unstored",
     "falls-alone": "memory-falls-alone",
     "alike-slow": "memory-shares",
+    "shares-alone": "memory-forgets",
+    "slow-share-alone": "memory-forgets",
+    "fast-share-alone": "memory-forgets",
     "fast-all": "memory-shares",
     "slow-all": "memory-shares",
     "alike-fast": "memory-shares",
@@ -63,7 +66,9 @@ KEEPINGS = {
 SHARES = {"never": 0.0, "always": 0.1, "all": 1.0}
 ONE_PLACE = Words("All particles that are new are the same one.")
 ALL, PLACES = (
-    frozenset([*SHARES, *RULES, "all-if-any", "other-ratio", "old-memory", "fit-alone"]),
+    frozenset(
+        [*SHARES, *RULES, "with-repetition", "all-if-any", "other-ratio", "old-memory", "fit-alone"]
+    ),
     frozenset(["first-ones", "last-ones"]),
 )
 
@@ -208,6 +213,9 @@ def _kept_wrongly(
         "falls-alone": (min(slow, due[0]), min(fast, due[1])),
         "alike-slow": (due[0], fast + SLOW * (fit - fast)),
         "alike-fast": (slow + FAST * (fit - slow), due[1]),
+        "shares-alone": (SLOW * fit, FAST * fit),
+        "slow-share-alone": (SLOW * fit, due[1]),
+        "fast-share-alone": (due[0], FAST * fit),
         "fast-all": (due[0], fit),
         "slow-all": (fit, due[1]),
         "fast-of-slow": (due[0], slow + FAST * (fit - slow)),
@@ -229,6 +237,7 @@ def _otherwise(
         "upside-down": 1 - share,
         "difference": slow - fast,
         "half": share / 2,
+        "with-repetition": 1 - (1 - 1 / COUNT) ** (COUNT * max(share, 0.0)),
         "newest": 1 - fit / slow if slow else 0.0,
         "all-if-any": float(share > 0),
     }
@@ -325,9 +334,13 @@ CHECKS = Checks(
         Hypothesis("other-ratio", "ratio", ALL),
         Hypothesis("fit-alone", "ratio", ALL),
         *(Hypothesis(name, "ratio", ALL) for name in RULES),
+        Hypothesis("with-repetition", "chosen-twice", ALL),
         Hypothesis("old-memory", "memory-late", ALL),
         Hypothesis("memory-kept", "memory-unstored"),
-        *(Hypothesis(name, cause) for name, cause in KEEPINGS.items()),
+        *(
+            Hypothesis(name, cause, broad=cause == "memory-forgets")
+            for name, cause in KEEPINGS.items()
+        ),
         Hypothesis("rates-swapped", "rates"),
         Hypothesis("all", "all-new", ALL),
         Hypothesis("all-if-any", "all-new", ALL, broad=True),

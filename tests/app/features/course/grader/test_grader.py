@@ -256,3 +256,39 @@ def test_a_result_that_no_change_makes_usable_is_told_by_its_form():
     (finding,) = grade(source, "mine.py", lesson_of(5)).findings
     assert finding.cause == "form"
     assert "None" in finding.case.say(ENGLISH)
+
+
+def test_a_slip_of_several_lines_is_told_with_all_of_them():
+    source = BASES["arrays"] + (
+        "def inject(poses, fit, memory, anywhere, rng):\n"
+        "    memory.slow += 0.05 * fit - memory.slow\n"
+        "    memory.fast += 0.5 * fit - memory.fast\n"
+        "    share = max(0.0, 1 - memory.fast / memory.slow)\n"
+        "    return np.array([anywhere(1)[0] if rng.random() < share else p for p in poses])\n"
+    )
+    (finding, *_) = grade(source, "mine.py", lesson_of(8)).findings
+    first = source.splitlines().index("    memory.slow += 0.05 * fit - memory.slow") + 1
+    assert (finding.cause, finding.line) == ("slip-brackets", first)
+    assert f"Lines {first} and {first + 1} are where it happens" in finding.case.say(ENGLISH)
+
+
+def test_a_division_by_nothing_is_no_result_of_another_form():
+    source = BASES["arrays"] + (
+        "def odometry(pose, left, right, track):\n"
+        "    turn = np.float64(right - left) / track\n"
+        "    radius = (left + right) / 2 / turn\n"
+        "    x = pose[0] + radius * (np.sin(pose[2] + turn) - np.sin(pose[2]))\n"
+        "    y = pose[1] - radius * (np.cos(pose[2] + turn) - np.cos(pose[2]))\n"
+        "    return x, y, (pose[2] + turn + np.pi) % (2 * np.pi) - np.pi\n"
+    )
+    (finding, *_) = grade(source, "mine.py", lesson_of(1)).findings
+    assert finding.cause == "no-number"
+    assert "nan" in finding.case.say(ENGLISH)
+
+
+def test_what_a_draw_is_given_sums_to_one():
+    source = ARRAYS.replace("parts.resample(poses, weights)", "parts.resample(poses, 2 * weights)")
+    assert source != ARRAYS
+    findings = grade(source, "mine.py", lesson_of(6)).findings
+    assert not {finding.cause for finding in findings} & {"threshold", "after-drawing"}
+    assert findings
