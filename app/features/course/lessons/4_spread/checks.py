@@ -156,8 +156,8 @@ def _spread(poses: Array, case: Case) -> Array:
 def _squares(errors: Array) -> Iterator[Array]:
     """Return the squares of what both rotations are off by, in deviations."""
     for rotation in (errors[:, 1], errors[:, 2] - errors[:, 1]):
-        off = rotation - rotation.mean()
-        yield (off / max(off.std(), 1e-6)) ** 2
+        apart = rotation - rotation.mean()
+        yield (apart / max(apart.std(), 1e-6)) ** 2
 
 
 def _steps(poses: Array, moved: Array) -> Array:
