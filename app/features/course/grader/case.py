@@ -13,6 +13,11 @@ from robot.geometry import Array
 
 REFERENCE: frozenset[str] = frozenset()
 """The reference is the variant without mistakes."""
+Chosen = TypeVar("Chosen")
+Ask = Callable[..., Answer]
+"""Calls the student's function with arguments, and ``seed`` for a generator."""
+Play = Callable[[Ask], Any]
+"""Calls it as often as it likes; what it returns is the outcome's result."""
 
 
 class FormError(BrickPoseError, ValueError):
@@ -29,13 +34,6 @@ class NoNumberError(FormError):
     """A result has the right form, and something in it is infinite or not a number."""
 
     cause = "no-number"
-
-
-Chosen = TypeVar("Chosen")
-Ask = Callable[..., Answer]
-"""Calls the student's function with arguments, and ``seed`` for a generator."""
-Play = Callable[[Ask], Any]
-"""Calls it as often as it likes; what it returns is the outcome's result."""
 
 
 @dataclass(frozen=True, eq=False)
