@@ -254,7 +254,7 @@ class Engine(ControlLoop):
         self._pictured = False
         if seen is not None:
             self._last_scan = self._last_scan if frame else seen.stamp
-            if seen.stamp >= self._measured + 0.9 * self._resting:
+            if not self._resting or seen.stamp >= self._measured + 0.9 * self._resting:
                 controls.frame, self._pictured = frame or controls.frame, frame is not None
                 self._meter.frame(seen.stamp, rested=self._measured < self._woke)
                 self._measure(seen)

@@ -104,6 +104,7 @@ def test_a_goal_ends_the_figure_eight_of_this_page_and_cancel_ends_the_journey(p
         until(socket, lambda now: now["mode"] == "idle")
 
 
+@pytest.mark.real_time
 def test_it_follows_the_tape_ahead_until_it_is_canceled(page, server):
     page.get_by_role("button", name="go to", exact=True).first.click()
     choose(page, "follow tape")

@@ -16,10 +16,11 @@ from engine_runs import EIGHT, run
 
 from app.engine.build import build_on_map
 from app.features.mapping import map_files
+from app.features.mapping.messages import NoMapError
 from app.features.mapping.routes import drawing_message, mapping_message
 from app.messages.driving_commands import DriveCommand
 from app.settings.config import MAPS
-from robot.errors import CommandError, NoMapError
+from robot.errors import CommandError
 from robot.fields.field_loading import load_field
 from robot.fields.svg_field import field_of_drawing
 
