@@ -305,15 +305,23 @@ def show(_case: Case, values: Array) -> str:
 
 def picture(outcome: Outcome, _due: Array, _given: Array) -> str:
     """Draw the tape, the guesses, and where the first one's rays end."""
-    poses, bearings, ranges, _, _ = outcome.case.arguments
+    _, bearings, ranges, _, _ = outcome.case.arguments
+    poses = _where_tape_is_drawn(outcome.case)
     x, y = ends(poses[:1], bearings, ranges, REFERENCE)
     return draw_scan(headings_apart(poses[:8]), np.stack([x[0], y[0]], axis=1)[:60], TAPE)
 
 
 def situation(case: Case) -> dict[str, float]:
     """The first guess, as far from the lower side of the dashboard's square as from its tape."""
-    x, y, theta = case.arguments[0][0] - SQUARE
+    x, y, theta = _where_tape_is_drawn(case)[0] - SQUARE
     return {"guess_x": x, "guess_y": y, "guess_theta": theta}
+
+
+def _where_tape_is_drawn(case: Case) -> Array:
+    """Return a case's guesses (n, 3), also of a field that lies elsewhere, as tape is drawn."""
+    shift = NEGATIVE_M if case.kind == "negative" else 0.0
+    guesses: Array = case.arguments[0] + [shift, shift, 0.0]
+    return guesses
 
 
 def _of_each_or_one(mistake: str, cause: str) -> Iterator[Hypothesis]:
