@@ -8,6 +8,7 @@ from types import MappingProxyType
 from app.features.course.grader.causes.areas import AREAS
 from app.features.course.grader.causes.cause import Cause
 from app.features.course.grader.causes.filter import FILTER
+from app.features.course.grader.causes.kalman import KALMAN
 from app.features.course.grader.causes.motion import MOTION
 from app.features.course.grader.causes.sensor import SENSOR
 from app.features.course.grader.causes.slips import SLIPS
@@ -70,7 +71,7 @@ ANY = {
 }
 
 CAUSES: Mapping[str, Cause] = MappingProxyType(
-    MOTION | SENSOR | FILTER | STEERING | SLIPS | AREAS | ANY
+    MOTION | SENSOR | FILTER | KALMAN | STEERING | SLIPS | AREAS | ANY
 )
 """All causes by code."""
 

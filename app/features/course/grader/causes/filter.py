@@ -1,4 +1,4 @@
-"""Mistakes in the filter: weights, survivors, estimates, new particles."""
+"""Mistakes in the filter of particles: weights, survivors, estimates, new particles."""
 
 from __future__ import annotations
 
@@ -87,6 +87,23 @@ FILTER = {
         "Those at the end of the list get too many copies, or too few.",
         "The steps along the line are not 1/n.",
         "n numbers, each 1/n farther than the one before: all of them lie below 1.",
+    ),
+    "filled-up": Cause(
+        "The best one has far too many copies, and good ones have only one.",
+        "Each particle survives once or not at all, and one of them fills up what is missing.",
+        "Several numbers can lie under one weight: it gets as many copies.",
+    ),
+    "nearest-edge": Cause(
+        "Neighbours of the right ones survive.",
+        "A number takes the particle whose weight ends nearest to it, not the one it lies under.",
+        "The first weight that ends beyond the number is the one it lies under: np.searchsorted of "
+        "the sums.",
+    ),
+    "steps-stretched": Cause(
+        "Those at the end of the list get too many copies, or too few.",
+        "The numbers are spread out between the first one and an end that is not theirs, as 1: the "
+        "steps are larger or smaller than 1/n.",
+        "The first number is random, and so is the last: it is the first plus (n - 1) / n.",
     ),
     "undrawn": Cause(
         "The last one of the list survives each time, whatever it weighs.",
@@ -263,6 +280,18 @@ FILTER = {
         "The effective sample size is that of weights which do not sum to one yet.",
         "Divide the weights by their sum first, then work out 1 / sum of squares.",
     ),
+    "size-formula": Cause(
+        "It resamples at the wrong time.",
+        "The effective sample size is worked out by another rule, as by the largest weight or by "
+        "how many are heavy.",
+        "It is one over the sum of the squared weights: for four equal ones 1 / (4 · 0.25²) = 4.",
+    ),
+    "logs-divided": Cause(
+        "How much a good fit counts for depends on the numbers' size, and it may count for less.",
+        "The log-weights are divided by something before exp, as by the largest or by their sum.",
+        "A ratio of likelihoods is a difference of logarithms: subtract the largest one, and "
+        "divide by the sum only after exp.",
+    ),
     "exponential": Cause(
         "Weights are negative, or the worse fit counts more.",
         "Log-weights are added to weights, or multiplied with them.",
@@ -333,6 +362,16 @@ FILTER = {
         "comparison is the wrong way round.",
         "All is well when both memories are equal, or the fast one is larger: then the share is 0.",
     ),
+    "appended": Cause(
+        "The cloud grows each time the robot seems lost.",
+        "New particles come beside the old ones, and not in their place.",
+        "As many come back as were given: poses[chosen] = anywhere(number of the chosen).",
+    ),
+    "left-out": Cause(
+        "The cloud shrinks each time the robot seems lost.",
+        "Only a part comes back: those that stay without the new ones, or the new ones alone.",
+        "As many come back as were given: poses[chosen] = anywhere(number of the chosen).",
+    ),
     "memory": Cause(
         "It reacts too late, or to nothing.",
         "The memories are not what they should be after this fit, or are used before.",
@@ -399,90 +438,5 @@ FILTER = {
         "It is always the same particles that are replaced.",
         "The first or the last ones are replaced, not random ones.",
         "rng.random(len(poses)) < share chooses by chance.",
-    ),
-    "gain-reversed": Cause(
-        "The surer of two is believed less.",
-        "The gain is the wrong way round.",
-        "If the look is exact, the gain is 1: the new mean is what was seen.",
-    ),
-    "rest": Cause(
-        "How sure it is after a look is not right.",
-        "Another share of the variance is left than 1 - k.",
-        "After an exact look k is 1. What is left then? Mind what is squared.",
-    ),
-    "away": Cause(
-        "The belief moves away from what is seen.",
-        "The difference of seen and believed has the wrong sign.",
-        "If the place that is seen is larger than the believed one, the mean has to grow.",
-    ),
-    "variance-returned": Cause(
-        "It is far too sure of itself.",
-        "The variance is returned as the standard deviation.",
-        "A standard deviation is the square root of a variance.",
-    ),
-    "seen-sure": Cause(
-        "It believes each look entirely.",
-        "The look counts as exact: its variance is left out of the gain.",
-        "k = variance believed / (variance believed + variance seen).",
-    ),
-    "look-lost": Cause(
-        "However often it looks, the belief stays where the wheels put it.",
-        "What was seen does not change the mean.",
-        "After the look the mean is mean + k * (seen - mean).",
-    ),
-    "gain-fixed": Cause(
-        "A bad look spoils a good belief.",
-        "Belief and look always count the same.",
-        "Let the variances decide: the smaller one counts more.",
-    ),
-    "deviations-added": Cause(
-        "The belief becomes unsure too quickly.",
-        "Standard deviations are added in a step.",
-        "Errors that have nothing to do with each other: their variances add.",
-    ),
-    "deviations-weigh": Cause(
-        "The belief follows the look too much, or too little.",
-        "The gain is made of standard deviations.",
-        "The gain is a ratio of variances.",
-    ),
-    "step-lost": Cause(
-        "The belief lags behind the robot.",
-        "The step is not added to the mean.",
-        "First the step, then the look.",
-    ),
-    "old-belief": Cause(
-        "The belief runs ahead of the robot.",
-        "What is seen is compared with where the robot was before the step.",
-        "Add the step first; k * (seen - mean) is with the mean after it.",
-    ),
-    "step-sure": Cause(
-        "The belief becomes too sure while driving.",
-        "The step adds no variance.",
-        "Each step is a little wrong: its variance is added.",
-    ),
-    "step-late": Cause(
-        "The belief after a step and a look is not the one that is due.",
-        "The gain, or what is left of the variance, is made of the variance before the step.",
-        "First the step: a new mean and a new variance. All that follows is made of these.",
-    ),
-    "look-first": Cause(
-        "The look is compared with where the robot was before.",
-        "The look comes before the step.",
-        "First the step, then the look.",
-    ),
-    "no-difference": Cause(
-        "The belief runs away.",
-        "What is seen is added, not how far it is from what was believed.",
-        "If the place that is seen is the believed one, nothing is to be corrected.",
-    ),
-    "look-widens": Cause(
-        "After a look the belief is less sure than before, or than the look alone.",
-        "Another rule makes the variance: two that are known together are surer than either.",
-        "After the look the share 1 - k of the variance after the step is left; return its root.",
-    ),
-    "never-surer": Cause(
-        "However often it looks, it never becomes surer.",
-        "The look does not make the variance smaller.",
-        "After the look, the share 1 - k of the variance is left.",
     ),
 }

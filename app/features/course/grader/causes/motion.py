@@ -167,6 +167,12 @@ MOTION = {
         "Sine and cosine are exchanged.",
         "At heading 0 the robot looks along x. Which of the two is 1 there?",
     ),
+    "arc-sine": Cause(
+        "Straight ahead all is right; on an arc the robot goes to the side.",
+        "In the formula of the arc, or for its centre, sines and cosines are exchanged.",
+        "A robot at heading 0 that turns a little goes along x: radius · (sin(new) - sin(old)) "
+        "along x, radius · (cos(old) - cos(new)) along y.",
+    ),
     "same-function": Cause(
         "All go along one diagonal, wherever they look.",
         "x and y take the same function of the heading: cosine twice, or sine twice.",
@@ -220,6 +226,42 @@ MOTION = {
         "The cloud is shifted, or has sharp ends.",
         "The noise is not normally distributed about zero.",
         "Use rng.standard_normal, as it is.",
+    ),
+    "axes-apart": Cause(
+        "The cloud has another shape than the motion's noise makes.",
+        "x and y go different ways, or in different directions: each draws its own noise, or one "
+        "of them has none.",
+        "A particle goes one way in one direction: the same two numbers make its x and its y.",
+    ),
+    "before-rotation": Cause(
+        "On arcs the path drifts outwards.",
+        "The way is taken along the heading before the first rotation.",
+        "The first rotation turns the particle towards the step's end; then it goes.",
+    ),
+    "after-turn": Cause(
+        "Straight lines are right, but on arcs the path drifts inwards.",
+        "The way is taken along the heading after both rotations.",
+        "The first rotation turns the particle towards the step's end; then it goes, and turns the "
+        "rest afterwards.",
+    ),
+    "half-way": Cause(
+        "On many arcs the cloud comes to a wrong place.",
+        "The way is taken along the heading half-way, as lesson 1 does; here the first rotation "
+        "has turned to the step's end already.",
+        "The direction is the heading plus the first rotation: no half is needed.",
+    ),
+    "rotations-of-turn": Cause(
+        "On arcs the cloud has another shape than the motion's noise makes.",
+        "The noise of a rotation is made of the whole turn, or of both rotations together.",
+        "Each rotation has a variance of its own: of rot1 for the first, of rot2 for the second.",
+    ),
+    "noises-cancel": Cause(
+        "Headings differ less than they should: what one rotation turns too much, the other turns "
+        "back.",
+        "The noise of the first rotation is not in the new heading: the second rotation is what "
+        "the noisy first one leaves of the turn, or the whole turn is added.",
+        "First both rotations as they were measured: rot2 = turn - rot1. Then the noise of each, "
+        "under other names.",
     ),
     "noise-of-noise": Cause(
         "The cloud is too wide, the more so the larger its noise is.",

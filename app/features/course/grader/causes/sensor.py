@@ -7,7 +7,8 @@ from app.features.course.grader.causes.cause import Cause
 SENSOR = {
     "S1": Cause(
         "With many rays all weights are zero, and then not a number.",
-        "Likelihoods become plain numbers too early; they are too small for a computer.",
+        "Likelihoods become plain numbers too early; they are too small, or too large, for a "
+        "computer.",
         "Add logarithms. Before exp, subtract the largest of them: only ratios of weights count.",
     ),
     "S2": Cause(
@@ -79,6 +80,24 @@ SENSOR = {
         "A guess near the border weighs too much, or too little.",
         "A ray that ends beyond the field is left out, or counts as one that missed.",
         "Count such an end at the nearest cell: np.clip(row, 0, rows - 1), and columns likewise.",
+    ),
+    "no-rays": Cause(
+        "Guesses near tape win, whatever the robot sees.",
+        "The distance is looked up where the guess itself is, not where its rays end.",
+        "A ray leads from the guess as far as its range: work out x and y of its end, and look up "
+        "the distance there.",
+    ),
+    "distances-joined": Cause(
+        "One ray that sees a shoe spoils all the others.",
+        "The distances of all rays are made one, as their mean, and only then the curve is taken.",
+        "Each ray has a likelihood of its own: first the curve of each distance, then the sum of "
+        "the logarithms.",
+    ),
+    "not-fallen": Cause(
+        "What is seen lies too near, or too far.",
+        "The ray is not followed until it has fallen by the camera's height: it is made longer by "
+        "another factor, as of its length or of what it goes ahead.",
+        "height / (how far it falls) is the factor: then the ray falls by just the height.",
     ),
     "no-logarithm": Cause(
         "The weights are all between 0 and 1.",
