@@ -35,6 +35,18 @@ INVERSES: dict[str, Callable[[Array], Array]] = {
     "inverse-sum-log": lambda away: -np.log(away.sum(axis=1)),
 }
 
+MERGED: dict[str, tuple[Callable[[Array], Array], bool]] = {
+    f"{name}-distance{'-of-all' * together}": (rule, together)
+    for together in (False, True)
+    for name, rule in {
+        "mean": lambda away: away.mean(axis=1),
+        "summed": lambda away: away.sum(axis=1),
+        "median": lambda away: np.median(away, axis=1),
+        "root-mean-square": lambda away: np.sqrt((away**2).mean(axis=1)),
+    }.items()
+}
+"""Distances of all rays made one before the curve; whether its logarithm counts for each ray."""
+
 
 def ends(
     poses: Array, bearings: Array, ranges: Array, mistakes: frozenset[str]
@@ -127,6 +139,11 @@ def weights_of(away: Array, sigma: float, mistakes: frozenset[str]) -> Array:
     if inverse is not None:
         result: Array = inverse(away)
         return result
+    merged = by_mistake(mistakes, MERGED, None)
+    if merged is not None:
+        made, together = merged
+        rays = away.shape[1] if together else 1
+        return rays * weights_of(made(away)[:, None], sigma, frozenset())
     width = sigma * next((value for name, value in WIDTHS.items() if name in mistakes), 1.0)
     sign = 1.0 if "sign" in mistakes else -1.0
     square = away if "no-square" in mistakes else away**2

@@ -55,6 +55,17 @@ FUNCTIONS: dict[str, tuple[Callable[[float], float], Callable[[float], float]]] 
     "sine-twice": (math.sin, math.sin),
 }
 """Functions of the heading for x and y, where these are taken for each other."""
+ARCS: dict[str, tuple[Callable[[float], float], Callable[[float], float]]] = {
+    "arc-leftwards": (lambda angle: -math.sin(angle), math.cos),
+    "arc-rightwards": (math.sin, lambda angle: -math.cos(angle)),
+    "arc-mirrored": (math.sin, math.cos),
+    "arc-mirrored-back": (lambda angle: -math.sin(angle), lambda angle: -math.cos(angle)),
+    "arc-cosine-twice": (math.cos, math.cos),
+    "arc-sine-twice": (math.sin, math.sin),
+    "arc-half-turned": (lambda angle: -math.sin(angle), math.sin),
+}
+"""Functions of the middle's heading that arcs take where the formula of a circle has cosines for
+sines; straight ahead has a line of its own there, which is right."""
 SHARES = {"middle-returned": 0.5, "half-more": 1.5}
 """How much of the turn is in the heading that comes back, where half of it is for the way."""
 
@@ -118,6 +129,8 @@ def expected(case: Case, mistakes: frozenset[str]) -> Array:
     along_x = pose[2] if "old-heading-x" in mistakes else direction
     along_y = pose[2] if "old-heading-y" in mistakes else direction
     x_of, y_of = by_mistake(mistakes, FUNCTIONS, (math.cos, math.sin))
+    if left != right:
+        x_of, y_of = by_mistake(mistakes, ARCS, (x_of, y_of))
     x, y = way * x_of(along_x), way * y_of(along_y)
     turn *= next((share for name, share in SHARES.items() if name in mistakes), 1.0)
     theta = turn if "heading-lost" in mistakes else pose[2] + turn
@@ -248,6 +261,7 @@ CHECKS = Checks(
         Hypothesis("sine-first", "sine"),
         Hypothesis("cosine-twice", "same-function"),
         Hypothesis("sine-twice", "same-function"),
+        *(Hypothesis(name, "arc-sine", frozenset([*ARCS, *FUNCTIONS]), "arc") for name in ARCS),
         Hypothesis("from-zero", "start-lost"),
         Hypothesis("heading-lost", "start-lost"),
         Hypothesis("old-heading-x", "old-heading"),

@@ -36,6 +36,7 @@ SHOWN_M = 2.0
 """Points farther away are drawn here."""
 FAR = np.array([0.0, math.inf])
 """What is due above the horizon: no bearing counts there."""
+NOT_FALLEN = ("by-length", "by-length-ahead", "by-ahead", "by-row")
 OFFSETS, TILTS = (
     frozenset(["no-offset", "backwards", "offset-late"]),
     frozenset(["tilt-in-degrees", "tilt-to-degrees", "tilted-up", "level", "from-below"]),
@@ -98,6 +99,14 @@ def expected(case: Case, mistakes: frozenset[str]) -> Array:
         return FAR[::-1] if "exchanged-always" in mistakes else FAR
     scale = (1.0 if "height-lost" in mistakes else camera.height) / fall
     ahead = c + s * down if "turned-back" in mistakes else c - s * down
+    parts = {
+        "by-length": math.hypot(ahead, fall, right),
+        "by-length-ahead": math.hypot(ahead, fall),
+        "by-ahead": ahead,
+        "by-row": down,
+    }
+    part = by_mistake(mistakes, parts, fall)
+    scale = by_mistake(mistakes, dict.fromkeys(parts, camera.height / (part or math.nan)), scale)
     if "offset-early" in mistakes:
         ahead += camera.forward - camera.forward / scale
     sides = {"side-short": -right, "side-along-floor": -scale * ahead * right}
@@ -276,6 +285,7 @@ CHECKS = Checks(
         Hypothesis("horizon-middle", "horizon-early", frozenset(["horizon"])),
         Hypothesis("fall-sign", "rotation"),
         Hypothesis("height-lost", "height-lost"),
+        *(Hypothesis(name, "not-fallen") for name in NOT_FALLEN),
         Hypothesis("side-along-floor", "side"),
         Hypothesis("from-camera", "from-camera"),
         Hypothesis("range-from-camera", "from-camera"),

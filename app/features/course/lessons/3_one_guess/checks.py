@@ -15,6 +15,7 @@ from app.features.course.grader.mistaken_weights import (
     HIT,
     INVERSES,
     JOINED,
+    MERGED,
     NARROW,
     OFF,
     RANDOM,
@@ -45,8 +46,9 @@ PRODUCTS = ("product", "late-logarithm")
 JOINTS = frozenset([*JOINED, *INVERSES])
 NEGATIVE_M = 1.4
 """How far a field is put to the left and downwards, so that all its tape is below 0 [m]."""
-CUT_ROW, CUT_COLUMN = 35, 85
-"""Where a field is cut so that its tape lies at its border, at the bottom and at the right."""
+CUT_ROW, CUT_TOP, CUT_COLUMN = 35, 72, 85
+"""Where a field is cut so that its tape lies at its border, at the bottom and at the right; and at
+the top a little below it, for those who count on from there."""
 
 
 def cases(seed: int) -> list[Case]:
@@ -89,7 +91,7 @@ def _case(poses: Array, scan: tuple[Array, Array], field: SimpleNamespace, kind:
 def _beyond(field: SimpleNamespace, heading: float, far: float) -> Case:
     """Let a ray end beyond the border of a field that ends at its tape."""
     cut = SimpleNamespace(
-        distances=field.distances[CUT_ROW:, :CUT_COLUMN].copy(),
+        distances=field.distances[CUT_ROW:CUT_TOP, :CUT_COLUMN].copy(),
         origin=field.origin + CELL * np.array([0, CUT_ROW]),
         cell=field.cell,
     )
@@ -157,14 +159,14 @@ def expected(case: Case, mistakes: frozenset[str]) -> Array:
         kept_bearings = bearings[: seen.sum()]
     if "bearings-to-last" in mistakes:
         kept_bearings = bearings[(~seen).sum() :]
-    x, y = ends(poses, kept_bearings, ranges[seen], mistakes)
+    x, y = _looked_up(poses, kept_bearings, ranges[seen], mistakes)
     away = distances(x, y, field, mistakes)
     if "nearest" in mistakes:
         clearance = distances(poses[:, :1], poses[:, 1:2], field, mistakes)
         away = np.abs(clearance - ranges[seen].min())
     with np.errstate(all="ignore"):
         weights = weights_of(away, sigma, mistakes)
-    for name, instead in (("beyond-out", 0.0), ("beyond-missed", math.log(RANDOM))):
+    for name, instead in _counted_beyond(field, sigma).items():
         if name in mistakes:
             logs = weights_of(away.reshape(-1, 1), sigma, REFERENCE).reshape(away.shape)
             weights = np.where(within(x, y, field), logs, instead).sum(axis=1)
@@ -180,6 +182,26 @@ def expected(case: Case, mistakes: frozenset[str]) -> Array:
         first = int(np.flatnonzero(~seen)[0])
         weights = weights_of(away[:, :first], sigma, mistakes) if first else np.zeros(len(poses))
     return weights
+
+
+def _looked_up(
+    poses: Array, bearings: Array, ranges: Array, mistakes: frozenset[str]
+) -> tuple[Array, Array]:
+    """Return x and y of the places whose distance is looked up: the rays' ends, or the guesses."""
+    if not mistakes & {"ends-at-guess", "guess-alone"}:
+        return ends(poses, bearings, ranges, mistakes)
+    count = 1 if "guess-alone" in mistakes else len(ranges)
+    return np.repeat(poses[:, :1], count, axis=1), np.repeat(poses[:, 1:2], count, axis=1)
+
+
+def _counted_beyond(field: SimpleNamespace, sigma: float) -> dict[str, float]:
+    """Return the log-weights that a ray's end beyond the field gets by mistake."""
+    farthest = weights_of(np.array([[field.distances.max()]]), sigma, REFERENCE)
+    return {
+        "beyond-out": 0.0,
+        "beyond-missed": math.log(RANDOM),
+        "beyond-farthest": float(farthest[0]),
+    }
 
 
 def kept_out(seen: Array) -> bool:
@@ -356,6 +378,9 @@ CHECKS = Checks(
         Hypothesis("unclipped", "beyond", kind="beyond"),
         Hypothesis("beyond-out", "beyond-skipped", kind="beyond"),
         Hypothesis("beyond-missed", "beyond-skipped", kind="beyond"),
+        Hypothesis("beyond-farthest", "beyond-skipped", kind="beyond"),
+        *(Hypothesis(name, "distances-joined", frozenset(MERGED)) for name in MERGED),
+        *(Hypothesis(name, "no-rays") for name in ("ends-at-guess", "guess-alone")),
         *(Hypothesis(f"{name}-as-degrees", "S4") for name in ("heading", "bearings", "angles")),
         *(Hypothesis(name, "outliers") for name in ("no-outliers", "only-hits", "outliers-inside")),
         Hypothesis("normal-density", "density"),
