@@ -74,20 +74,29 @@ def sampled(
     }
     whole = wrap_angle(heading + rot1_hat + rot2_hat)
     theta = by_mistake(mistakes, thetas, whole)
-    angles = {"direction-plain": heading + rot1, "new-heading": whole, "old-heading": heading}
+    angles = {
+        "direction-plain": heading + rot1,
+        "new-heading": whole,
+        "old-heading": heading,
+        "half-way": heading + (rot1_hat + rot2_hat) / 2,
+        "half-way-plain": heading + turn / 2,
+    }
     angle = by_mistake(mistakes, angles, heading + rot1_hat)
     if "degrees" in mistakes:
         angle = np.radians(angle)
     if "not-turned" in mistakes:
         angle = angle - poses[:, 2]
     along = {name: angle - poses[:, 2] for name in ("x", "y") if f"not-turned-{name}" in mistakes}
+    along |= {name: heading + rot1 for name in ("x", "y") if f"direction-plain-{name}" in mistakes}
+    ways_along = {name: way for name in ("x", "y") if f"way-plain-{name}" in mistakes}
     functions = {
         "sine-first": (np.sin, np.cos),
         "cosine-twice": (np.cos, np.cos),
         "sine-twice": (np.sin, np.sin),
     }
     x_of, y_of = by_mistake(mistakes, functions, (np.cos, np.sin))
-    x, y = way_hat * x_of(along.get("x", angle)), way_hat * y_of(along.get("y", angle))
+    x = ways_along.get("x", way_hat) * x_of(along.get("x", angle))
+    y = ways_along.get("y", way_hat) * y_of(along.get("y", angle))
     if "ways-apart" in mistakes:
         other = _noisy((way, rot1, rot2), alphas, len(poses), mistakes, seed + 1)[0]
         y = other * y_of(angle)
@@ -168,9 +177,16 @@ def _deviations(step: tuple[float, float, float], alphas: Array, mistakes: froze
         "first-alone": rot1**2,
         "second-alone": rot2**2,
         "sum-squared": (rot1 + rot2) ** 2,
+        "all-of-whole-turn": (rot1 + rot2) ** 2,
     }
     squares = by_mistake(mistakes, turned, rot1**2 + rot2**2)
+    whole = (rot1 + rot2) ** 2
     taken = {
+        "of-whole-turn": (whole, whole),
+        "all-of-whole-turn": (whole, whole),
+        "first-of-whole-turn": (whole, rot2**2),
+        "second-of-whole-turn": (rot1**2, whole),
+        "of-both-turns": (squares, squares),
         "first-twice": (rot1**2, rot1**2),
         "second-twice": (rot2**2, rot2**2),
         "turns-exchanged": (rot2**2, rot1**2),

@@ -52,15 +52,20 @@ NOISES = (
     ("reverse", "Straight back, alpha1 alone: nothing turns.", (-0.1, 0.0, 0.0), (0.02, 0, 0, 0)),
     ("reverse", "Back on an arc, all four.", (-0.1, 0.01, -0.2), (0.01, 0.2, 0.01, 0.001)),
 )
-ANGLES = frozenset(["new-heading", "old-heading"])
+HALF_WAY = ("half-way", "half-way-plain")
+ANGLES = frozenset(["new-heading", "old-heading", *HALF_WAY])
+PLAIN_AXES = tuple(f"{part}-plain-{axis}" for part in ("direction", "way") for axis in "xy")
 SWAPS = tuple(ORDERS)
 LOST = tuple(f"alpha{part}-lost" for part in (1, 2, 3, 4))
 TURNS = ("first-twice", "second-twice", "turns-exchanged")
+TURNS_TOGETHER = (
+    *("of-whole-turn", "all-of-whole-turn", "first-of-whole-turn", "second-of-whole-turn"),
+    "of-both-turns",
+)
 PARTS = ("way", "rot1", "rot2")
 WAYS_UNSQUARED = ("way-unsquared", "own-way-unsquared", "turned-way-unsquared")
 HALF_SQUARED = ("turns-unsquared", "turned-unsquared", *WAYS_UNSQUARED)
 SUMS = ("first-alone", "second-alone", "sum-squared", "unsquared", *HALF_SQUARED, *LOST, *TURNS)
-NOISY = (*OF_NOISE, "rest-of-noisy")
 SIZES = frozenset(
     [
         "variance",
@@ -72,7 +77,9 @@ SIZES = frozenset(
         *SWAPS,
         *SUMS,
         *EXCHANGED,
-        *NOISY,
+        *OF_NOISE,
+        *TURNS_TOGETHER,
+        "rest-of-noisy",
     ]
 )
 
@@ -330,15 +337,19 @@ CHECKS = Checks(
         *(Hypothesis(name, "M1") for name in ("not-turned", "not-turned-x", "not-turned-y")),
         Hypothesis("reverse-turns", "M3", kind="reverse"),
         Hypothesis("no-noise", "M5", SIZES, "noise"),
-        Hypothesis("new-heading", "M2", ANGLES),
-        Hypothesis("old-heading", "old-heading", ANGLES),
+        Hypothesis("new-heading", "after-turn", ANGLES),
+        Hypothesis("old-heading", "before-rotation", ANGLES),
+        *(Hypothesis(name, "half-way", ANGLES) for name in HALF_WAY),
+        *(Hypothesis(name, "axes-apart", kind="turn") for name in PLAIN_AXES),
         Hypothesis("degrees", "S4"),
         Hypothesis("variance", "variance", SIZES),
         Hypothesis("rooted-twice", "rooted-twice", SIZES),
         Hypothesis("absolute", "variances", SIZES),
         *(Hypothesis(name, "alphas", SIZES) for name in SWAPS),
         *(Hypothesis(name, "alphas", SIZES) for name in EXCHANGED),
-        *(Hypothesis(name, "noise-of-noise", SIZES, "noise") for name in NOISY),
+        *(Hypothesis(name, "noise-of-noise", SIZES, "noise") for name in OF_NOISE),
+        Hypothesis("rest-of-noisy", "noises-cancel", SIZES, "noise"),
+        *(Hypothesis(name, "rotations-of-turn", SIZES, "turn") for name in TURNS_TOGETHER),
         *(Hypothesis(name, "variances", SIZES) for name in SUMS),
         Hypothesis("uniform", "noise-form", SIZES),
         Hypothesis("positive", "noise-form", SIZES),
@@ -370,7 +381,7 @@ CHECKS = Checks(
         ),
         Hypothesis("cosine-twice", "same-function"),
         Hypothesis("sine-twice", "same-function"),
-        Hypothesis("ways-apart", "noise-on-place", kind="noise"),
+        Hypothesis("ways-apart", "axes-apart", kind="turn"),
         Hypothesis("direction-swapped-back", "arctan"),
         Hypothesis("half-turned", "back-twice", kind="back"),
         Hypothesis("proportional", "variances", SIZES),
