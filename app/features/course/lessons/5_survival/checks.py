@@ -20,6 +20,10 @@ PAIR_DRAWS = 400
 """Draws of two particles: steps of 1/(n + 1) give 4/3 and 2/3 copies, far beyond chance."""
 LIKELY = 6.0
 """Standard errors that no correct sampler differs by."""
+STRETCHED = ("to-the-end", "towards-the-end", "to-the-last-step", "to-the-other-side")
+"""Numbers that are spread out to another end than theirs."""
+OFTEN = 1.5
+"""Copies that are due on the average to a particle that has two in many a draw."""
 STARTS = (np.arange(500) + 0.5) / 500
 """First numbers over which copies are averaged, as shares of 1/n."""
 Indices = NDArray[np.intp]
@@ -125,6 +129,16 @@ def _stepped(weights: Array, parts: float) -> Array:
     return np.bincount(drawn.ravel(), minlength=count) / points.size
 
 
+def _combed(weights: Array, end: Callable[[Array], Array], *, closed: bool) -> Array:
+    """Return the copies' shares where n numbers go from the first one to an end, which is one of
+    them or not."""
+    count = len(weights)
+    first = STARTS / count
+    points = np.linspace(first, end(first), count, endpoint=closed)
+    drawn = np.searchsorted(np.cumsum(weights), points).clip(0, count - 1)
+    return np.bincount(drawn.ravel(), minlength=count) / points.size
+
+
 def _with_last(weights: Array) -> Array:
     """Return the copies' shares where the last number's survivor gives way to the last particle."""
     count = len(weights)
@@ -147,6 +161,12 @@ RULES: dict[str, Callable[[Array], Array]] = {
     "longer-steps": lambda weights: _stepped(weights, len(weights) - 1),
     "shorter-steps": lambda weights: _stepped(weights, len(weights) + 1),
     "last-added": _with_last,
+    "to-the-end": lambda weights: _combed(weights, np.ones_like, closed=True),
+    "towards-the-end": lambda weights: _combed(weights, np.ones_like, closed=False),
+    "to-the-last-step": lambda weights: _combed(
+        weights, lambda first: np.full_like(first, 1 - 1 / len(weights)), closed=True
+    ),
+    "to-the-other-side": lambda weights: _combed(weights, lambda first: 1 - first, closed=True),
     "no-steps": lambda weights: _stepped(weights, np.inf),
 }
 
@@ -193,15 +213,9 @@ def _survivors(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
             wrong.append((outcome, _beside(outcome, drawn) or _immortal(outcome, drawn)))
     asked = [item for item in outcomes if item.case.kind != "seeds"]
     unlike = [item for item in many if not _as_weighed(item)]
-    if unlike and any(all(_as_weighed(item, order) for item in asked) for order in ORDERS):
-        yield Sign("order-apart", unlike[0])
-        return
-    if unlike and all(_starts_anywhere(item) for item in asked):
-        yield Sign("start-anywhere", unlike[0])
-        return
-    fixed = [item for item in unlike if _is_fixed(item)]
-    if fixed and len(fixed) == len(unlike):
-        yield Sign("by-rank" if wrong else "copies-fixed", fixed[0])
+    rule = _rule(unlike, asked)
+    if rule:
+        yield Sign("by-rank" if rule == "copies-fixed" and wrong else rule, unlike[0])
         return
     if unlike and not wrong:
         light = all(_is_light_lost(item) for item in unlike)
@@ -211,6 +225,20 @@ def _survivors(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
         # An index that is off by one is so always, but where it is cut off at an end.
         always = sum(item.case.kind == "sole" for item, _ in wrong) > 1
         yield Sign("R4" if beside else "line", wrong[0][0], weak=not (beside and always))
+
+
+def _rule(unlike: Sequence[Outcome], asked: Sequence[Outcome]) -> str:
+    """Return the cause where another rule of drawing gives all that was drawn; "" without one."""
+    if not unlike:
+        return ""
+    rules = {
+        "order-apart": any(all(_as_weighed(item, order) for item in asked) for order in ORDERS),
+        "start-anywhere": all(_starts_anywhere(item) for item in asked),
+        "nearest-edge": all(_takes_nearest(item) for item in asked),
+        "filled-up": all(_is_filled_up(item) for item in unlike),
+        "copies-fixed": all(_is_fixed(item) for item in unlike),
+    }
+    return next((cause for cause, explains in rules.items() if explains), "")
 
 
 def _whole_cloud(many: Sequence[Outcome]) -> Sign | None:
@@ -228,6 +256,19 @@ def _is_one_alone(outcome: Outcome) -> bool:
     return all(np.ptp(_drawn(each, outcome.case)) == 0 for each in outcome.answers)
 
 
+def _is_filled_up(outcome: Outcome) -> bool:
+    """Return whether no particle but the heaviest ever has a second copy, though others should."""
+    count = len(outcome.case.arguments[1])
+    copies = np.array(
+        [np.bincount(_drawn(each, outcome.case), minlength=count) for each in outcome.answers]
+    )
+    most = copies.max(axis=0)
+    several = most > 1
+    due = expected(outcome.case, frozenset())
+    alone = several.sum() == 1 and several[due.argmax()]
+    return bool(alone and (due[~several] >= OFTEN).any())
+
+
 def _is_fixed(outcome: Outcome) -> bool:
     """Return whether each draw gives each particle the same number of copies."""
     copies = [np.sort(_drawn(each, outcome.case)) for each in outcome.answers]
@@ -237,13 +278,35 @@ def _is_fixed(outcome: Outcome) -> bool:
 def _starts_anywhere(outcome: Outcome) -> bool:
     """Return whether steps of 1/n from a number between 0 and 1 give each draw: those that end
     beyond the line are the last particle's."""
-    weights = outcome.case.arguments[1]
-    count = len(weights)
-    steps, line = np.arange(count) / count, np.cumsum(weights)
+    line = np.cumsum(outcome.case.arguments[1])
+    return _stepped_from(
+        outcome, line, 1.0, lambda points: np.searchsorted(line, points).clip(0, len(line) - 1)
+    )
+
+
+def _takes_nearest(outcome: Outcome) -> bool:
+    """Return whether each number of a right draw takes the particle whose weight ends nearest."""
+    line = np.cumsum(outcome.case.arguments[1])
+    middles = (line[:-1] + line[1:]) / 2
+    return _stepped_from(
+        outcome,
+        middles,
+        1 / len(line),
+        lambda points: np.abs(line - points[..., None]).argmin(axis=-1),
+    )
+
+
+def _stepped_from(
+    outcome: Outcome, ends: Array, longest: float, taken: Callable[[Array], Indices]
+) -> bool:
+    """Return whether steps of 1/n from a number between 0 and the longest give each draw, where
+    another particle is taken beyond each of the ends."""
+    count = len(outcome.case.arguments[1])
+    steps = np.arange(count) / count
     # Between two of these starts, no step comes to another particle.
-    bends = np.unique(np.clip(line[:, None] - steps, 0, 1))
-    starts = np.concatenate([bends[:-1] + np.diff(bends) / 2, [bends[-1] / 2 + 0.5]])
-    given = np.searchsorted(line, starts[:, None] + steps).clip(0, count - 1)
+    bends = np.unique(np.clip(ends[:, None] - steps, 0, longest))
+    bends = np.unique([0.0, *bends, longest])
+    given = taken((bends[:-1] + np.diff(bends) / 2)[:, None] + steps)
     possible = {tuple(np.bincount(drawn, minlength=count)) for drawn in given}
     draws = [_drawn(answer, outcome.case) for answer in outcome.answers]
     return all(
@@ -330,6 +393,7 @@ CHECKS = Checks(
         Hypothesis("roots", "weights-changed", ALL),
         Hypothesis("longer-steps", "steps", ALL),
         Hypothesis("shorter-steps", "steps", ALL),
+        *(Hypothesis(name, "steps-stretched", ALL) for name in STRETCHED),
         Hypothesis("no-steps", "steps-lost", ALL),
         Hypothesis("last-added", "undrawn", ALL, broad=True),
     ),

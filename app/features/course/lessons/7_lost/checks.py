@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from itertools import combinations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from app.features.course.grader.case import (
     Case,
@@ -51,6 +52,8 @@ CLOUDS: tuple[tuple[str, str, Array, Array], ...] = (
     ("places", "Two places that look alike; the heavier particle is at the first.",
      np.array([[0.0, 0.0, 0.0], [0.03, 0.0, 0.1], [1.0, 0.7, 3.0], [1.02, 0.7, -3.1]]),
      np.array([0.3, 0.22, 0.25, 0.23])),
+    ("places", "One heavy particle alone; two lighter ones together elsewhere.",
+     np.array([[0.0, 0.0, 0.0], [1.0, 0.7, 3.0], [1.02, 0.7, -3.1]]), np.array([0.4, 0.32, 0.28])),
     ("places", "One place, but one particle there looks elsewhere.",
      np.array([[0.0, 0.0, 0.0], [0.03, 0.0, 0.1], [0.01, 0.0, 1.6]]), np.array([0.4, 0.3, 0.3])),
     ("edge", "One particle is 80 mm away, another 120 mm.",
@@ -225,6 +228,9 @@ def _mean(poses: Array, weights: Array, mistakes: frozenset[str]) -> Array:
         near[:] = True
     if "best" in mistakes:
         return np.array(best)
+    if "median" in mistakes:
+        turned = best[2] + float(np.median(wrap_angle(poses[near, 2] - best[2])))
+        return np.array([*np.median(poses[near, :2], axis=0), turned])
     share = _parts(weights, near, mistakes)
     place = share @ poses[:, :2]
     if "plain-mean" in mistakes:
@@ -252,6 +258,8 @@ def _heaviest(poses: Array, weights: Array, mistakes: frozenset[str]) -> int:
     """Return the index of the particle that makes the place."""
     others = {
         "lightest": int(weights.argmin()),
+        "crowd": int(_together(poses).sum(axis=1).argmax()),
+        "heaviest-crowd": int((_together(poses) @ weights).argmax()),
         "first": 0,
         "last": len(poses) - 1,
         "largest-row": max(range(len(poses)), key=lambda place: tuple(poses[place])),
@@ -260,6 +268,14 @@ def _heaviest(poses: Array, weights: Array, mistakes: frozenset[str]) -> int:
         **{f"smallest-{name}": int(poses[:, axis].argmin()) for axis, name in enumerate(AXES)},
     }
     return by_mistake(mistakes, others, int(weights.argmax()))
+
+
+def _together(poses: Array) -> NDArray[np.bool_]:
+    """Return of each two particles whether they are at one place (n, n)."""
+    apart = poses[:, None] - poses
+    away = np.hypot(apart[..., 0], apart[..., 1])
+    together: NDArray[np.bool_] = (away < NEAR_M) & (np.abs(wrap_angle(apart[..., 2])) < NEAR_RAD)
+    return together
 
 
 def _parts(weights: Array, near: Array, mistakes: frozenset[str]) -> Array:
@@ -432,6 +448,8 @@ CHECKS = Checks(
         Hypothesis("one-way", "middle"),
         Hypothesis("best", "best-only", broad=True),
         Hypothesis("lightest", "heaviest"),
+        *(Hypothesis(name, "heaviest", kind="places") for name in ("crowd", "heaviest-crowd")),
+        Hypothesis("median", "weights-ignored"),
         Hypothesis("first", "heaviest"),
         Hypothesis("last", "heaviest"),
         *(

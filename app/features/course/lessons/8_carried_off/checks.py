@@ -54,6 +54,8 @@ KEEPINGS = {
     "slow-kept": "memory-unstored",
     "fast-kept": "memory-unstored",
     "falls-alone": "memory-falls-alone",
+    "slow-falls-alone": "memory-falls-alone",
+    "fast-falls-alone": "memory-falls-alone",
     "alike-slow": "memory-shares",
     "shares-alone": "memory-forgets",
     "slow-share-alone": "memory-forgets",
@@ -71,6 +73,18 @@ ALL, PLACES = (
     ),
     frozenset(["first-ones", "last-ones"]),
 )
+
+
+class AppendedError(FormError):
+    """More particles come back than were given."""
+
+    cause = "appended"
+
+
+class LeftOutError(FormError):
+    """Fewer particles come back than were given."""
+
+    cause = "left-out"
 
 
 def cases(seed: int) -> list[Case]:
@@ -160,6 +174,7 @@ def features(outcome: Outcome) -> Array:
     case = outcome.case
     if case.kind == "carried":
         return np.array([outcome.result])
+    _demand_as_many(outcome)
     given = array_of(outcome.result, case.arguments[0].shape)
     memory = _memory(outcome.answers[0].after)
     new = given[:, 0] >= AWAY
@@ -167,6 +182,19 @@ def features(outcome: Outcome) -> Array:
     lost = (~new & (np.abs(given - case.arguments[0]).max(axis=1) > 1e-9)).sum()
     lost += (new & (np.abs(given[:, 1:] - NEW_POSE).max(axis=1) > 1e-9)).sum()
     return np.array([new.mean(), memory.slow, memory.fast, place, lost, float(new.all())])
+
+
+def _demand_as_many(outcome: Outcome) -> None:
+    """Raise a FormError of its own if new particles come beside the old ones, or old ones go and
+    none comes in their place."""
+    due = len(outcome.case.arguments[0])
+    given = outcome.result
+    if not isinstance(given, np.ndarray | list) or len(given) == due:
+        return
+    old = array_of(given, (len(given), 3))[:, 0] < AWAY
+    text = "{count} particles were given; {back} come back: {old} old ones, {new} new ones."
+    values = {"count": due, "back": len(old), "old": int(old.sum()), "new": int((~old).sum())}
+    raise (AppendedError if len(old) > due else LeftOutError)(text, **values)
 
 
 def expected(case: Case, mistakes: frozenset[str]) -> Array:
@@ -210,6 +238,8 @@ def _kept_wrongly(
         "shares-exchanged": (fit + SLOW * (slow - fit), fit + FAST * (fast - fit)),
         "slow-kept": (slow, due[1]),
         "fast-kept": (due[0], fast),
+        "slow-falls-alone": (min(slow, due[0]), due[1]),
+        "fast-falls-alone": (due[0], min(fast, due[1])),
         "falls-alone": (min(slow, due[0]), min(fast, due[1])),
         "alike-slow": (due[0], fast + SLOW * (fit - fast)),
         "alike-fast": (slow + FAST * (fit - slow), due[1]),

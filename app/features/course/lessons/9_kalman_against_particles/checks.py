@@ -6,8 +6,10 @@ import math
 from collections.abc import Iterator, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from app.features.course.grader.case import (
+    REFERENCE,
     Case,
     Checks,
     Hypothesis,
@@ -27,11 +29,14 @@ ROUNDS: tuple[tuple[str, tuple[float, ...]], ...] = (
     ("It drives and looks; the look is twice as sure.", (1.0, 0.03, 0.2, 0.04, 1.3, 0.025)),
 )
 
+DRAWN = 4
+"""Further rounds, of any numbers."""
+
 
 def cases(seed: int) -> list[Case]:
     """Rounds whose result is seen without computing, then any."""
     rng = np.random.default_rng(seed)
-    drawn = rng.uniform([-1, 0.01, -1, 0.01, -1, 0.01], [1, 0.2, 1, 0.2, 1, 0.2], (4, 6))
+    drawn = rng.uniform([-1, 0.01, -1, 0.01, -1, 0.01], [1, 0.2, 1, 0.2, 1, 0.2], (DRAWN, 6))
     rounds = [*ROUNDS, *(("It drives and looks.", tuple(row)) for row in drawn.tolist())]
     return [_round(text, numbers) for text, numbers in rounds]
 
@@ -62,7 +67,7 @@ def expected(case: Case, mistakes: frozenset[str]) -> Array:
     befores = {"deviations-added": sd + moved_sd, "step-sure": sd}
     before = by_mistake(mistakes, befores, math.hypot(sd, moved_sd))
     mean = mean if "step-lost" in mistakes else mean + moved
-    gain = _gain(sd, before, seen_sd, mistakes)
+    gain = _gain((sd, moved_sd, seen_sd), before, mistakes)
     left = (1 - gain) * before**2
     variances = {
         "old-rest": (1 - gain) * sd**2,
@@ -72,6 +77,8 @@ def expected(case: Case, mistakes: frozenset[str]) -> Array:
         "seen-sd": seen_sd**2,
         "rest-of-seen": (1 - gain) * seen_sd**2,
         "rest-summed": before**2 + seen_sd**2,
+        "surer-kept": min(before, seen_sd) ** 2,
+        "deviations-joined": (before * seen_sd / (before + seen_sd)) ** 2,
     }
     variance = by_mistake(mistakes, variances, left)
     means = {"mean-reversed": 1 - gain, "mean-halved": 0.5, "seen-taken": 1.0, "seen-ignored": 0.0}
@@ -86,7 +93,8 @@ def expected(case: Case, mistakes: frozenset[str]) -> Array:
     return belief[::-1] if "exchanged" in mistakes else belief
 
 
-def _gain(sd: float, before: float, seen_sd: float, mistakes: frozenset[str]) -> float:
+def _gain(deviations: tuple[float, float, float], before: float, mistakes: frozenset[str]) -> float:
+    sd, moved_sd, seen_sd = deviations
     usual = before**2 / (before**2 + seen_sd**2)
     gains = {
         "old-gain": sd**2 / (sd**2 + seen_sd**2),
@@ -95,21 +103,47 @@ def _gain(sd: float, before: float, seen_sd: float, mistakes: frozenset[str]) ->
         "gain-reversed": 1 - usual,
         "middle": 0.5,
         "seen-sure": 1.0,
+        "step-alone": moved_sd**2 / (moved_sd**2 + seen_sd**2),
     }
     return by_mistake(mistakes, gains, usual)
 
 
 def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
     """Say which of the two numbers is wrong, where nothing more is known."""
+    chosen = _chosen(outcomes)
+    if chosen is not None:
+        yield Sign("surer-alone", chosen)
+        return
     unsurer = next((item for item in outcomes if _is_unsurer(item)), None)
     if unsurer is not None:
         yield Sign("look-widens", unsurer, weak=True)
         return
     for outcome in outcomes:
-        right = np.abs(features(outcome) - expected(outcome.case, frozenset())) <= 1e-6
+        right = _right(outcome)
         if not right.all():
             yield Sign("spread-alone" if right[0] else "mean-alone", outcome, weak=True)
             return
+
+
+def _chosen(outcomes: Sequence[Outcome]) -> Outcome | None:
+    """Return what shows that the mean is always what was believed or what was seen, now this and
+    now that; None if it does not."""
+    chosen = []
+    for outcome in outcomes:
+        mean, _, moved, _, seen, _ = outcome.case.arguments
+        near = np.abs(features(outcome)[0] - [mean, mean + moved, seen]) <= 1e-9
+        if not near.any():
+            return None
+        chosen.append(bool(near[2]))
+    unlike = [item for item in outcomes if not _right(item)[0]]
+    # Where one of the two is all but exact, that one is due.
+    return unlike[0] if unlike and len(set(chosen[-DRAWN:])) == 2 else None
+
+
+def _right(outcome: Outcome) -> NDArray[np.bool_]:
+    """Return of mean and deviation whether they are right."""
+    right: NDArray[np.bool_] = np.abs(features(outcome) - expected(outcome.case, REFERENCE)) <= 1e-6
+    return right
 
 
 def _is_unsurer(outcome: Outcome) -> bool:
@@ -160,6 +194,9 @@ CHECKS = Checks(
         Hypothesis("seen-sd", "rest"),
         Hypothesis("rest-of-seen", "rest"),
         Hypothesis("rest-summed", "rest"),
+        Hypothesis("surer-kept", "rest"),
+        Hypothesis("deviations-joined", "rest"),
+        Hypothesis("step-alone", "gain-of-step"),
         Hypothesis("no-difference", "no-difference"),
         Hypothesis("exchanged", "slip-order"),
     ),
