@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from types import SimpleNamespace
@@ -23,13 +22,20 @@ from app.features.course.grader.case import (
 )
 from app.features.course.grader.drawing import draw_bars
 from app.features.course.grader.forms import array_of, pair_of
+from app.features.course.grader.mistaken_rounds import (
+    SCALED,
+    SIZES,
+    STANDS,
+    UNITS,
+    effective_sizes,
+    stands,
+    weighed,
+)
 from app.features.course.grader.small_world import SmallWorld
 from app.features.course.grader.words import Words
 from app.features.course.sandbox.student_process import OFFERED
 from robot.geometry import Array
 
-STILL_M, STILL_RAD = 0.001, 0.01
-"""The robot stands if it moved less, both ways."""
 PARTS = SimpleNamespace(
     motion=OFFERED + "motion", log_weight=OFFERED + "log_weight", resample=OFFERED + "resample"
 )
@@ -80,17 +86,6 @@ RUNS, ROUNDS, COUNT = 20, 8, 150
 NEAR_M = 0.12
 TIMES = frozenset(["never-resamples", "always-resamples", "the-other-way"])
 _TOLD: WeakKeyDictionary[Outcome, Array] = WeakKeyDictionary()
-STANDS = (
-    "either",
-    "way-alone",
-    "signed",
-    "ahead-alone",
-    "ahead-size",
-    "side-lost",
-    "larger",
-    "sizes",
-)
-UNITS = ("all-three", "all-summed", "turn-as-way")
 
 
 @dataclass(eq=False)
@@ -229,7 +224,7 @@ def _loop(
     parts: CountedParts,
     mistakes: frozenset[str],
 ) -> tuple[Array, Array]:
-    standing = _stands(moved, mistakes)
+    standing = stands(moved, mistakes)
     if standing and "only-motion-stands" not in mistakes and "updates" not in mistakes:
         return (parts.motion(poses, moved) if "moves-standing" in mistakes else poses), weights
     before = poses
@@ -244,7 +239,7 @@ def _loop(
         poses, weights = parts.resample(poses, weights)
     fits = parts.log_weight(before if "weighs-first" in mistakes else poses, scan)
     prior = np.full(len(poses), 1 / len(poses)) if "prior-lost" in mistakes else weights
-    weights = _weighed(prior, fits, mistakes)
+    weights = weighed(prior, fits, mistakes)
     if "draws-old" in mistakes:
         drawn, even = _survivors(before, weights, parts, mistakes)
         return (poses, weights) if drawn is before else (drawn, even)
@@ -253,65 +248,10 @@ def _loop(
     if "not-kept" in mistakes:
         drawn, _ = _survivors(poses, weights, parts, REFERENCE)
         return (poses, prior) if drawn is poses else parts.resample(poses, prior)
-    raw = _weighed(prior, fits, mistakes | {"not-normalized"})
-    raw = _weighed(np.ones(len(poses)), fits, REFERENCE) if "draws-by-scan" in mistakes else raw
+    raw = weighed(prior, fits, mistakes | {"not-normalized"})
+    raw = weighed(np.ones(len(poses)), fits, REFERENCE) if "draws-by-scan" in mistakes else raw
     drawn, weights = _survivors(poses, weights, parts, mistakes, raw)
     return drawn, np.log(weights) if "log-returned" in mistakes and drawn is poses else weights
-
-
-def _weighed(prior: Array, fits: Array, mistakes: frozenset[str]) -> Array:
-    """Return weights by old weights and log-weights, and by what they are divided."""
-    ratios = fits - (0.0 if "underflow" in mistakes else fits.max())
-    likely = np.exp(ratios)
-    rules = {
-        "no-exponential": prior + ratios,
-        "log-added": prior + fits,
-        "log-log": np.log(prior) + fits,
-        "log-times": prior * fits,
-        "ratios-times": prior * ratios,
-        "prior-squared": prior**2 * likely,
-        "scan-twice": prior * likely**2,
-        "worse-more": prior / likely,
-        "added": prior + likely,
-        "exp-of-product": np.exp(prior * ratios),
-        "exp-of-sum": np.exp(prior + ratios),
-        "fits-alone": fits,
-        "ratios-alone": ratios,
-    }
-    weights = by_mistake(mistakes, rules, prior * likely)
-    sums = {
-        "by-largest": weights.max(),
-        "by-count": len(weights),
-        "not-normalized": 1.0,
-        "normalized-late": 1.0,
-    }
-    divided: Array = weights / by_mistake(mistakes, sums, weights.sum())
-    return divided
-
-
-def _stands(moved: Array, mistakes: frozenset[str]) -> bool:
-    dx, dy, turn = moved
-    ways = {
-        "ahead-alone": dx,
-        "ahead-size": abs(dx),
-        "side-lost": dx + dy,
-        "larger": max(abs(dx), abs(dy)),
-        "sizes": abs(dx) + abs(dy),
-    }
-    way = next((each for name, each in ways.items() if name in mistakes), math.hypot(dx, dy))
-    if "all-three" in mistakes:
-        return math.hypot(way, turn) < STILL_M
-    if "all-summed" in mistakes:
-        return bool(abs(dx) + abs(dy) + abs(turn) < STILL_M)
-    short = way < STILL_M
-    straight = (turn if "signed" in mistakes else abs(turn)) < STILL_RAD
-    if "turn-in-degrees" in mistakes:
-        straight = math.degrees(abs(turn)) < STILL_RAD
-    if "turn-as-way" in mistakes:
-        straight = abs(turn) < STILL_M
-    if "either" in mistakes:
-        return bool(short or straight)
-    return bool(short and (straight or "way-alone" in mistakes))
 
 
 def _survivors(
@@ -326,6 +266,8 @@ def _survivors(
     of_raw = mistakes & {"size-unnormalized", "draws-by-scan"}
     shares = raw if raw is not None and of_raw else shares
     effective = 1 / (shares**2).sum()
+    if mistakes & set(SIZES):
+        effective = by_mistake(mistakes, effective_sizes(shares), effective)
     wanted = effective < len(poses) / 2
     if "never-resamples" in mistakes:
         wanted = np.bool_(False)
@@ -436,9 +378,13 @@ CHECKS = Checks(
             Hypothesis(name, "exponential")
             for name in (
                 *("ratios-times", "exp-of-product", "exp-of-sum", "fits-alone", "ratios-alone"),
+                "spread-times",
             )
         ),
+        *(Hypothesis(name, "logs-divided", frozenset(SCALED)) for name in SCALED),
         Hypothesis("added", "added"),
+        Hypothesis("averaged", "added"),
+        *(Hypothesis(name, "size-formula", TIMES, "edge") for name in SIZES),
         Hypothesis("not-kept", "S7"),
         Hypothesis("draws-by-scan", "R6", kind="edge"),
         Hypothesis("never-resamples", "no-resampling", TIMES, broad=True),
