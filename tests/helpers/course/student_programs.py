@@ -16,7 +16,7 @@ from pathlib import Path
 FOLDER = Path(__file__).parent / "programs"
 SETS = (
     *("first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth"),
-    *("ninth", "tenth", "eleventh", "twelfth"),
+    *("ninth", "tenth", "eleventh", "twelfth", "thirteenth"),
 )
 """Sets of wrong programs; each was written before the grader knew its mistakes."""
 HEAD = re.compile(r"(\d+) (wrong|right) ([\w.-]+)(?: \[([\w-]+)\])?(?: @([\w-]+))?(?:: (.*))?")
