@@ -22,6 +22,9 @@ USUAL_LEAP = 4.0
 """With tape as laid, no leap may be larger [standard deviations]."""
 KNOWN_SDS = (0.005, 0.005, 0.005)
 """What a place that is known by tape is off besides, if the tape is [m, m, rad]."""
+REFUTED = -20.0
+"""If tape as laid surprises by so much more than as drawn, and a scale by more, too, it lies as
+drawn: a hundred to three hundred scans tell. No search came so low that found it afterwards."""
 LEAST_SCANS = 40
 """So many scans must have been compared."""
 LONGEST = 600
@@ -77,7 +80,8 @@ class LaidSearch:
     @property
     def failed(self) -> bool:
         """Whether it is not that, or it takes too long."""
-        return self._scans > LONGEST or self._laid.failed
+        refuted = self._laid.evidence < REFUTED and self._scaled.evidence < 0
+        return self._laid.failed or refuted or self._scans > LONGEST
 
     def add(self, scan: Scan, odometry: Pose2) -> LaidTracker | None:
         """Take one more scan, and odometry at its stamp; return who follows tape as it lies."""

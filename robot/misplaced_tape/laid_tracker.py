@@ -53,6 +53,8 @@ LARGEST_OFFSET = 0.035
 """Tape that lies farther aside was not laid so by hand [m]."""
 UNLIKELY = 3.5
 """Nor tape of which so much lies far aside [standard deviations]."""
+LAID_ANEW = 2e-5
+"""Tape is laid anew once an offset has changed by more [m], or the scale by such a share."""
 FEWEST = 3
 """Fewer returns of a scan tell nothing."""
 LARGEST_LEAP = 10.0
@@ -153,7 +155,8 @@ class LaidTracker:
         self.wheels = self.wheels + change[WHEELS]
         self.camera = self.camera + change[CAMERA]
         self.offsets = self.offsets + change[OFFSETS]
-        self._lay()
+        if np.abs(self.offsets - self._laid_by).max(initial=0.0) > LAID_ANEW:
+            self._lay()
 
     def _predict(self, moved: Pose2) -> None:
         ahead, turn_by_way, turn = self.wheels.tolist()
@@ -195,6 +198,7 @@ class LaidTracker:
         return Expected(result.ranges + near, result.edges)
 
     def _lay(self) -> None:
+        self._laid_by = self.offsets
         self._edges = self.tape.laid(self.offsets)
         self._index, self._across = index_edges(self._edges), normals(self._edges)
 
