@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from robot.camera import FloorView
 from robot.fields.floor_picture import FloorPicture
+from robot.fields.occupancy_grid import cell_distances
 from robot.geometry import Array, Pose2, Twist2
 from sim.floor_kernels import (
     BLOCK,
@@ -293,9 +294,7 @@ def _even_blocks(floor: FloorPicture) -> NDArray[np.uint8]:
     uneven = cv2.dilate(padded, _NEIGHBOURS) != cv2.erode(padded, _NEIGHBOURS)
     blocks = uneven.reshape(len(padded) // BLOCK, BLOCK, -1, BLOCK).any(axis=(1, 3))
     blocks = np.pad(blocks, 1, constant_values=not blocks.any())  # one must be uneven
-    to_uneven = cv2.distanceTransform(
-        (~blocks).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE
-    )[1:-1, 1:-1]
+    to_uneven = cell_distances(~blocks)[1:-1, 1:-1]
     # From any point of a block to any point of another: up to a block's diagonal nearer.
-    even = np.clip(BLOCK * (np.asarray(to_uneven) - np.sqrt(2)), 0, 255)
+    even = np.clip(BLOCK * (to_uneven - np.sqrt(2)), 0, 255)
     return np.stack([even.astype(np.uint8), padded[::BLOCK, ::BLOCK]], axis=-1)

@@ -174,11 +174,3 @@ class Ros2Settings:
         """Return a topic's name with slash and namespace, as ``/robot1/scan``."""
         parts = [part for part in (*self.namespace.split("/"), topic) if part]
         return "/" + "/".join(parts)
-
-    def period(self, rate: str | None) -> float:
-        """Return the least time between two messages [s]; 0: no limit.
-
-        Args:
-            rate: the name of the setting that limits the rate; None: no limit.
-        """
-        return 0.0 if rate is None else 1.0 / getattr(self, rate)

@@ -9,6 +9,7 @@ import sys
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.typing import Subprotocol
 
+from app.features.ros.publisher import sent_every
 from app.features.ros.topics import TOPICS
 from app.settings.groups import Ros2Settings
 
@@ -23,7 +24,7 @@ async def read_all(address: str) -> None:
     ):
         for topic in TOPICS:
             wish = {"op": "subscribe", "topic": f"/{topic.name}", "compression": "cbor"}
-            rate = {"throttle_rate": 1000 * Ros2Settings().period(topic.rate)}
+            rate = {"throttle_rate": 1000 * sent_every(topic, Ros2Settings())}
             await bridge.send(json.dumps(wish | rate))
         await asyncio.gather(_take(bridge), _take(fox))
 

@@ -13,7 +13,13 @@ from robot.fields.cell_outline import cell_outline
 from robot.fields.field import Field, FieldError
 from robot.fields.floor_picture import Extent, FloorPicture, finest_resolution
 from robot.fields.grid_map import load_map_yaml
-from robot.fields.occupancy_grid import OCCUPIED, UNKNOWN, MapError, OccupancyGrid
+from robot.fields.occupancy_grid import (
+    OCCUPIED,
+    UNKNOWN,
+    MapError,
+    OccupancyGrid,
+    cell_distances,
+)
 from robot.geometry import Array, Pose2, heading_vectors
 
 _TONES = np.concatenate([np.rint(np.linspace(254, 0, OCCUPIED + 1)), [205]]).astype(np.uint8)
@@ -57,8 +63,7 @@ def field_from_grid(grid: OccupancyGrid, name: str) -> Field:
 
 
 def _roomiest(grid: OccupancyGrid) -> Pose2:
-    free = np.pad(grid.free, 1).astype(np.uint8)
-    clearance = cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)[1:-1, 1:-1]
+    clearance = cell_distances(np.pad(grid.free, 1))[1:-1, 1:-1]
     row, column = np.unravel_index(int(np.argmax(clearance)), clearance.shape)
     cell = Pose2((float(column) + 0.5) * grid.resolution, (float(row) + 0.5) * grid.resolution)
     return grid.origin @ cell

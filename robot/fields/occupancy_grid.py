@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,6 +18,8 @@ RESOLUTION_M = (1e-4, 100.0)
 """Smallest and largest cell [m]."""
 FAR_M = 1e6
 """An origin farther away is a mistake [m]."""
+FAR_CELLS = 1000
+"""Distances between cells are counted up to this many: squares are exact."""
 
 Cells = NDArray[np.int8]
 
@@ -66,3 +69,10 @@ class OccupancyGrid:
         values = np.full(len(points), UNKNOWN, dtype=np.int8)
         values[inside] = self.data[row[inside].astype(np.intp), column[inside].astype(np.intp)]
         return values
+
+
+def cell_distances(asked: NDArray[np.bool_]) -> NDArray[np.float32]:
+    """Return how far cells (h, w) that are asked of are from the nearest other one [cells]."""
+    cells = cv2.distanceTransform(asked.astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    # Last digits depend on how many threads OpenCV may use; the squares are whole numbers.
+    return np.sqrt(np.rint(np.square(np.minimum(cells, np.float32(FAR_CELLS)))))

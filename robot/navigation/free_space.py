@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from robot.fields.field import Field
 from robot.fields.floor_picture import Extent
+from robot.fields.occupancy_grid import cell_distances
 from robot.geometry import Array, Pose2
 from robot.navigation.settings import REFUSED, NavigationSettings
 from robot.navigation.walls import Walls
@@ -80,9 +81,7 @@ class FreeSpace:
             walls[:rows, :columns] &= ~grown[:rows, :columns]
         walls |= said.cells((grid.origin.x, grid.origin.y), grid.resolution, walls.shape)
         framed = np.pad(walls, 1, constant_values=edge)
-        cells = cv2.distanceTransform(
-            (~framed).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE
-        )[1:-1, 1:-1]
+        cells = cell_distances(~framed)[1:-1, 1:-1]
         # From the middle of a free cell to the edge of the nearest one that is not.
         distance = np.maximum(cells - 0.5, 0.0).astype(np.float32) * np.float32(grid.resolution)
         return cls(

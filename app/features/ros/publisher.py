@@ -17,6 +17,7 @@ from app.features.ros.message_types import MessageError
 from app.features.ros.source import TopicSource
 from app.features.ros.topics import Published, Topic, feature_of, topics
 from app.languages.marking import phrase
+from app.settings.groups import Ros2Settings
 from robot.worker_thread import WorkerThread
 
 SLACK = 0.001
@@ -56,6 +57,11 @@ class TopicRoute(ABC):
 
     def flush(self) -> None:  # noqa: B027 most have nothing to do
         """Pass the taken messages on; called at the end of a tick. Must not wait either."""
+
+
+def sent_every(topic: Topic, settings: Ros2Settings) -> float:
+    """Return the least time between two messages of a topic [s]; 0: no limit."""
+    return 0.0 if topic.rate is None else 1.0 / getattr(settings, topic.rate)
 
 
 class Pace:

@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,7 +13,7 @@ from app.features.lab.localize.settings import LaserSettings
 from robot.fields.field import Field, FieldError
 from robot.fields.grid_field import field_from_grid
 from robot.fields.grid_map import load_map_yaml
-from robot.fields.occupancy_grid import MapError, OccupancyGrid
+from robot.fields.occupancy_grid import MapError, OccupancyGrid, cell_distances
 from robot.geometry import Array, Pose2, turned_covariance
 from robot.localization.models.entry_field import EntryField
 from robot.localization.models.likelihood_field import LikelihoodField
@@ -134,8 +133,7 @@ def _distances_from(
         raise FieldError(f"the map is turned by {grid.origin.theta:g} rad; valid is 0")
     # Beyond the map's rim distances go on, until they are the greatest.
     rim = math.ceil(max_distance / grid.resolution) + 1
-    others = np.pad(~chosen, rim, constant_values=True).astype(np.uint8)
-    cells = cv2.distanceTransform(others, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    cells = cell_distances(np.pad(~chosen, rim, constant_values=True))
     distances = np.minimum(cells * np.float32(grid.resolution), np.float32(max_distance))
     first = (0.5 - rim) * grid.resolution
     origin = grid.origin.x + first, grid.origin.y + first

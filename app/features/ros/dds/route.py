@@ -18,7 +18,7 @@ from app.features.ros.dds.configuration import plan
 from app.features.ros.dds.protocol import TROUBLE
 from app.features.ros.inbox import Inbox
 from app.features.ros.message_types import MessageError
-from app.features.ros.publisher import Pace, TopicPublisher, TopicRoute
+from app.features.ros.publisher import Pace, TopicPublisher, TopicRoute, sent_every
 from app.features.ros.topics import Published, Topic
 from app.languages.marking import phrase
 from app.settings.groups import Ros2Settings
@@ -70,7 +70,7 @@ class DdsRoute(TopicRoute):
         self._driver = Driver("ROS 2")
         self._settings = settings
         self._host = host
-        self._pace = Pace(lambda topic: settings.period(topic.rate))
+        self._pace = Pace(lambda topic: sent_every(topic, settings))
         self._outbox = Outbox[Published]()
         self._latched: dict[str, Published] = {}
         self._filling = threading.Lock()

@@ -24,7 +24,7 @@ from app.features.ros.foxglove.protocol import (
     words,
 )
 from app.features.ros.message_types import MessageError
-from app.features.ros.publisher import Pace, TopicRoute
+from app.features.ros.publisher import Pace, TopicRoute, sent_every
 from app.features.ros.topics import Published, Topic
 from app.features.ros.websocket_session import Data, Later
 from robot.errors import BrickPoseError
@@ -137,7 +137,7 @@ class FoxgloveSession(TopicRoute):
         if topic.name in self._subscriptions:
             raise MessageError(f"{settings.full_name(topic.name)} is subscribed already")
         # A new pace has no history: late viewers get what is latched.
-        pace = Pace(lambda topic: settings.period(topic.rate))
+        pace = Pace(lambda topic: sent_every(topic, settings))
         self._replace({**self._subscriptions, topic.name: (wish.id, pace)})
 
     def _unsubscribe(self, numbers: frozenset[int]) -> None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from app.features.ros.message_types import MessageError
-from app.features.ros.publisher import Pace
+from app.features.ros.publisher import Pace, sent_every
 from app.features.ros.rosbridge.encoding import COMPRESSIONS
 from app.features.ros.rosbridge.reading import shown
 from app.features.ros.topics import Topic
@@ -186,7 +186,7 @@ class Subscription:
         It has the shortest period, the shortest queue and the last compression in the list.
         """
         wishes = self._wishes.values()
-        usual = self._settings.period(self.topic.rate)
+        usual = sent_every(self.topic, self._settings)
         self._period = min(
             max(0.0 if wish.every else usual, wish.throttle / 1000) for wish in wishes
         )
