@@ -27,7 +27,7 @@ def test_distances_are_exact_with_any_number_of_threads(some_threads, share):
         some_threads(count)
         found = cell_distances(asked)
         assert (np.rint(found.astype(np.float64) ** 2) == np.rint(exact**2)).all()
-        assert found == pytest.approx(exact, rel=1e-7)
+        assert np.allclose(found, exact, rtol=1e-7, atol=0)
         assert (found == first).all()
 
 
