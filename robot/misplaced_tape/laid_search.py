@@ -24,8 +24,9 @@ KNOWN_SDS = (0.005, 0.005, 0.005)
 """What a place that is known by tape is off besides, if the tape is [m, m, rad]."""
 REFUTED = -30.0
 """If tape as laid surprises by so much more than as drawn, and a scale by more, too, it lies as
-drawn; on healthy robots some 300 scans tell. Of 46 searches that found it one had come to -26.
-Half: two of them end before; twice: less than half as many scans are spared."""
+drawn; on healthy robots some 300 scans tell. Of 46 searches that found it, by less doubt of wheels,
+one had come to -26. Half: two of them end before; twice: less than half as many scans are spared.
+"""
 LEAST_SCANS = 40
 """So many scans must have been compared."""
 LONGEST = 600

@@ -3,6 +3,7 @@
 import json
 import math
 
+import cv2
 import numpy as np
 import pytest
 from laser_office import BEGAN, LASER, drive, office_map, true_pose, write_bag, write_map
@@ -134,6 +135,18 @@ def test_a_bag_without_metadata_is_read_all_the_same(tmp_path, one_bag):
     _, way = run(tmp_path, path)
     _, same = run(tmp_path, one_bag)
     assert (way.poses == same.poses).all()
+
+
+@pytest.mark.slow
+def test_how_many_threads_opencv_has_changes_nothing(tmp_path, one_bag):
+    ways, before = [], cv2.getNumThreads()
+    try:
+        for threads in (1, 2):
+            cv2.setNumThreads(threads)
+            ways.append(run(tmp_path, one_bag)[1].poses)
+    finally:
+        cv2.setNumThreads(before)
+    assert (ways[0] == ways[1]).all()
 
 
 @pytest.mark.slow
