@@ -14,14 +14,15 @@ from robot.fields.edges import normals
 from robot.geometry import Array, Pose2, heading_vectors
 from robot.localization.monitoring.mounting_check import CameraPosition
 from robot.misplaced_tape.laid_tape import LaidTape
-from robot.misplaced_tape.tracker import (
-    LEAST_SD,
-    SLOPE,
-    Expected,
-    StepErrors,
-    expect,
-    step_model,
+from robot.misplaced_tape.odometry_errors import (
+    LASTING,
+    POSE,
+    WHEELS,
+    corrected_step,
+    joint_errors,
+    predict,
 )
+from robot.misplaced_tape.tracker import SLOPE, Expected, expect
 
 RAY_WORTH = 0.3
 """Weight of one ray: errors of neighbouring rays, and of scans one after the other, are alike."""
@@ -29,18 +30,11 @@ REACH = 1.5
 """How far returns are compared [m]: those that are far away move the filter, too."""
 RANGE_SD = 0.001
 """Standard deviation of a near range [m]."""
-STEPS = StepErrors(ahead=0.0425, aside=0.015, turn=0.0425, turn_by_way=0.03)
-"""What odometry errs by, step by step."""
-WHEELS_SD, LASTING = (0.02, 0.2, 0.03), 0.98
-"""What it errs by for a while, as wheels slip: shares of a way, turns by the way [rad/m], and
-shares of a turn; standard deviations. So much of that is left at the next scan. Where each wheel
-slips by 2 % of its way, the robot turns by 0.25 rad/m; with 0.05 slipping wheels were taken for
-tape that lies aside."""
 CAMERA_SD = (math.radians(0.3), math.radians(0.3), 0.003)
 """What a camera errs by that was mounted with care: pitch and roll [rad], and its height, or focal
 length, as a share; standard deviations."""
-POSE, WHEELS, CAMERA, OFFSETS = slice(0, 3), slice(3, 6), slice(6, 9), slice(9, None)
-"""Where the state has pose, the errors of wheels and camera, and offsets."""
+CAMERA, OFFSETS = slice(6, 9), slice(9, None)
+"""Where the state has the errors of the camera, and offsets; pose and wheels come before."""
 MARGIN = 0.03
 """Tape so near to where a ray's sight begins may be missed [m]."""
 STEEP, LEAST_STEEP = 0.25, 0.05
@@ -96,9 +90,7 @@ class LaidTracker:
         self.camera = np.zeros(3)
         """Errors of the camera, as ``CAMERA_SD`` has them."""
         self.offsets = np.zeros(len(tape.prior))
-        self._joint = np.zeros((OFFSETS.start + len(tape.prior),) * 2)
-        self._joint[POSE, POSE] = covariance
-        self._joint[WHEELS, WHEELS] = np.diag(np.square(WHEELS_SD))
+        self._joint = joint_errors(covariance, OFFSETS.start + len(tape.prior))
         if math.isfinite(mounting.height):
             self._joint[CAMERA, CAMERA] = np.diag(np.square(CAMERA_SD))
         self._joint[OFFSETS, OFFSETS] = tape.prior
@@ -161,19 +153,9 @@ class LaidTracker:
             self._lay()
 
     def _predict(self, moved: Pose2) -> None:
-        ahead, turn_by_way, turn = self.wheels.tolist()
-        theta = (1 + turn) * moved.theta + turn_by_way * moved.x
-        step = Pose2((1 + ahead) * moved.x, (1 + ahead) * moved.y, theta)
-        motion, added = step_model(self.pose, step, STEPS)
-        way = Pose2(theta=self.pose.theta).apply(np.array([moved.x, moved.y]))
-        by_wheels = np.array([[way[0], 0.0, 0.0], [way[1], 0.0, 0.0], [0.0, moved.x, moved.theta]])
-        joint = self._joint
+        step = corrected_step(moved, self.wheels)
         self.wheels = LASTING * self.wheels
-        joint[WHEELS], joint[:, WHEELS] = LASTING * joint[WHEELS], LASTING * joint[:, WHEELS]
-        joint[WHEELS, WHEELS] += (1 - LASTING**2) * np.diag(np.square(WHEELS_SD))
-        joint[POSE] = motion @ joint[POSE] + by_wheels @ joint[WHEELS]
-        joint[:, POSE] = joint[:, POSE] @ motion.T + joint[:, WHEELS] @ by_wheels.T
-        joint[POSE, POSE] += added + LEAST_SD**2 * np.eye(3)
+        predict(self._joint, self.pose, moved, step)
         self.pose = self.pose @ step
 
     def expected(self, rays: Array) -> Array:

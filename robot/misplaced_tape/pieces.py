@@ -62,11 +62,12 @@ def _sides(edges: Array) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     across, long = normals(edges), lengths(edges)
     along = (edges[:, 2:] - edges[:, :2]) / long[:, None]
     middles = (edges[:, :2] + edges[:, 2:]) / 2
+    sides = np.flatnonzero(long >= SHORTEST)
     # Row: the edge beside whose middle the column's edge passes.
-    apart = middles[:, None] - edges[None, :, :2]
+    apart = middles[sides, None] - edges[None, :, :2]
     passed = np.einsum("ijk,jk->ij", apart, along)
     inside = -np.einsum("ijk,jk->ij", apart, across)
     beside = (passed >= 0) & (passed <= long) & (inside > NARROWEST) & (inside < WIDEST)
-    beside &= (across @ across.T < OPPOSITE) & (long >= SHORTEST)[:, None]
+    beside &= across[sides] @ across.T < OPPOSITE
     first, second = np.nonzero(beside)
-    return first, second
+    return sides[first], second

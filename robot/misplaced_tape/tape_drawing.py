@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from dataclasses import dataclass, field
 from typing import NamedTuple
@@ -33,6 +34,8 @@ BESIDE, BEYOND = 0.3, 0.05
 """Tape that lies elsewhere is no farther than this aside, and beyond the ends of its place [m]."""
 REMEMBERED = 1000
 """So many returns beside a piece are remembered: a robot may do without it for hours."""
+AS_EXACT = 1.5
+"""They are those seen where the place was known nearly as well as at best, by this factor."""
 
 Rays = NDArray[np.bool_]
 
@@ -58,7 +61,18 @@ class PlaceFollower:
     beside: int = 0
     """Returns that lie beside it."""
     offsets: deque[float] = field(default_factory=lambda: deque(maxlen=REMEMBERED))
-    """How far the last of them do [m]."""
+    """How far the last of them do [m], of those seen where the place was known best."""
+    exactness: float = math.inf
+    """How far what was seen there may be off, one standard deviation [m]."""
+
+    def note(self, offsets: list[float]) -> None:
+        """Note how far returns lie beside the piece [m], unless others are more exact."""
+        spread = self.tracker.spread
+        if AS_EXACT * spread < self.exactness:
+            self.exactness = spread
+            self.offsets.clear()
+        if spread < AS_EXACT * self.exactness:
+            self.offsets.extend(offsets)
 
 
 class Comparison(NamedTuple):
@@ -100,6 +114,13 @@ class TapeDrawing:
         pose, piece = follower.tracker.pose, follower.piece
         seen, drawn = rays[:, column.RANGE], follower.tracker.expected(rays)
         fits, misses, odd = _compare(seen, drawn.ranges, _due(rays, drawn, pose, follower.across))
+        for other in follower.tracker.others:
+            # What fits from where the robot may be as well contradicts nothing.
+            aside = follower.tracker.expected(rays, other)
+            due = _due(rays, aside, other, follower.across)
+            also_fits, also_misses, also_odd = _compare(seen, aside.ranges, due)
+            contradicts = also_misses | also_odd
+            fits, misses, odd = fits | also_fits, misses & contradicts, odd & contradicts
         follower.fits += int(fits.sum())
         follower.misses += int(misses.sum() + odd.sum())
         missed = self._owner[follower.edges[drawn.edges[misses]]]
@@ -110,16 +131,17 @@ class TapeDrawing:
         own = nearest >= 0
         follower.misses -= int(own.sum())
         follower.beside += int(own.sum())
-        follower.offsets.extend(offset[own].tolist())
+        if own.any():
+            follower.note(offset[own].tolist())
         meets, due = self._meets(rays, pose, drawn)
         in_place, _, _ = _compare(seen, meets, due)
         follower.in_place += int((due & in_place).sum())
         follower.through += int((due & ~in_place).sum())
         return Comparison(missed, np.full(int(own.sum()), piece))
 
-    def hidden_from(self, follower: PlaceFollower, rays: Array) -> Array:
+    def hidden_from(self, follower: PlaceFollower, rays: Array, pose: Pose2) -> Array:
         """Return where on rays (n, 9) the piece may lie, drawn or seen [m]; inf if nowhere."""
-        pose, drawn = follower.tracker.pose, follower.tracker.expected(rays, FAR)
+        drawn = follower.tracker.expected(rays, pose, FAR)
         result, _ = self._meets(rays, pose, drawn, FAR)
         none_due = np.zeros(len(rays), np.bool_)
         _, _, odd = _compare(rays[:, column.RANGE], drawn.ranges, none_due, FAR)

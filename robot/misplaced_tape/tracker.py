@@ -15,6 +15,14 @@ from robot.fields.edge_index import EdgeIndex, index_edges
 from robot.fields.ray_casting import cast_toward
 from robot.geometry import Array, Pose2
 from robot.localization.scan_matching import ScanMatcher, fit_rays
+from robot.misplaced_tape.odometry_errors import (
+    LASTING,
+    POSE,
+    WHEELS,
+    corrected_step,
+    joint_errors,
+    predict,
+)
 
 REACH = 0.6
 """Returns farther away are not exact enough [m]."""
@@ -22,30 +30,11 @@ RANGE_SD, SLOPE = 0.002, 25.0
 """Standard deviation of a range [m], and how it grows with the range [1/m²]."""
 GATE = 0.05
 """A return farther from where it should be belongs to other tape [m]."""
-STILL_SD = 3e-5, 1e-4
-"""What odometry of a robot that stands errs by, a step's standard deviation [m], [rad]."""
-LEAST_SD = 3e-4
-"""Scans one after the other see the same errors of the drawing, so a place is not known better [m],
-[rad]."""
+KNOWN_M, BESIDE_SDS, FARTHEST_BESIDE, LEVER = 0.004, 2.0, 0.05, 0.25
+"""A place is looked at from so many standard deviations beside as well, at most so far [m], unless
+its largest one is less [m]; a turn moves what is seen by so much [m/rad]."""
 UNKNOWN_SD = 1.0
 """Of a place of which nothing is known [m], [rad]."""
-
-
-class StepErrors(NamedTuple):
-    """What odometry errs by, a step's standard deviation, besides that of a robot that stands."""
-
-    ahead: float
-    """Share of a way, along the robot."""
-    aside: float
-    """Across it."""
-    turn: float
-    """Share of a turn."""
-    turn_by_way: float
-    """A turn by the way [rad/m]."""
-
-
-USUAL_STEPS = StepErrors(ahead=0.085, aside=0.03, turn=0.085, turn_by_way=0.06)
-"""Of wheels that slip now and then."""
 
 
 class Expected(NamedTuple):
@@ -58,17 +47,28 @@ class Expected(NamedTuple):
 
 
 class PlaceTracker:
-    """A Kalman filter of one place: odometry predicts, scans correct."""
+    """A Kalman filter of one place and the errors of wheels: odometry predicts, scans correct."""
 
     def __init__(self, edges: Array, pose: Pose2, covariance: Array) -> None:
         """Begin at a pose with a covariance (3, 3) [m, m, rad]; edges (n, 4) [m] may be some."""
         self._matcher = ScanMatcher(index_edges(edges), REACH, RANGE_SD, GATE, SLOPE)
         self.pose = pose
-        self.covariance = covariance
-        self.by_scans = UNKNOWN_SD**2 * np.eye(3)
-        """The covariance, as if nothing had been known at the beginning."""
+        self.wheels = np.zeros(3)
+        """Errors of odometry, as ``WHEELS_SD`` has them."""
+        self._joint = joint_errors(covariance)
+        self._joint_by_scans = joint_errors(UNKNOWN_SD**2 * np.eye(3))
         self.leap = 0.0
         """The farthest that a scan has moved the place, in standard deviations of odometry."""
+
+    @property
+    def covariance(self) -> Array:
+        """Of the pose (3, 3) [m, m, rad]."""
+        return self._joint[POSE, POSE].copy()
+
+    @property
+    def by_scans(self) -> Array:
+        """The covariance, as if nothing had been known at the beginning."""
+        return self._joint_by_scans[POSE, POSE].copy()
 
     def step(self, moved: Pose2, rays: Array) -> None:
         """Follow a step of odometry, and lay rays (n, 9) on the tape."""
@@ -79,9 +79,10 @@ class PlaceTracker:
         self.pose = Pose2(*pose.tolist())
         leap = np.array([self.pose.x - before.x, self.pose.y - before.y, before.turn_to(self.pose)])
         self.leap = max(self.leap, math.sqrt(float(leap @ known @ leap)))
+        self.wheels = self.wheels + self._joint[WHEELS, POSE] @ known @ leap
         gained = information - known
-        self.covariance = _corrected(self.covariance, gained)
-        self.by_scans = _corrected(self.by_scans, gained)
+        _correct(self._joint, gained)
+        _correct(self._joint_by_scans, gained)
 
     @property
     def width(self) -> float:
@@ -89,32 +90,53 @@ class PlaceTracker:
         return widest(self.covariance)
 
     def _predict(self, moved: Pose2) -> None:
-        motion, added = step_model(self.pose, moved, USUAL_STEPS)
-        self.covariance = motion @ self.covariance @ motion.T + added
-        self.by_scans = motion @ self.by_scans @ motion.T + added
-        self.pose = self.pose @ moved
+        step = corrected_step(moved, self.wheels)
+        self.wheels = LASTING * self.wheels
+        predict(self._joint, self.pose, moved, step)
+        predict(self._joint_by_scans, self.pose, moved, step)
+        self.pose = self.pose @ step
 
-    def expected(self, rays: Array, reach: float = REACH) -> Expected:
-        """Return what rays (n, 9) should see of its edges from its pose within their reach [m]."""
-        return expect(self.pose, rays, self._matcher.edge_index, reach)
+    @property
+    def spread(self) -> float:
+        """Largest standard deviation of what is seen from the place [m]."""
+        return self._widest_axis()[0]
+
+    @property
+    def others(self) -> tuple[Pose2, ...]:
+        """Poses on both sides where it may well be as well; none if its place is known."""
+        sd, axis = self._widest_axis()
+        if sd < KNOWN_M:
+            return ()
+        x, y, turn = (min(BESIDE_SDS * sd, FARTHEST_BESIDE) * axis).tolist()
+        pose = self.pose
+        return (
+            Pose2(pose.x + x, pose.y + y, pose.theta + turn),
+            Pose2(pose.x - x, pose.y - y, pose.theta - turn),
+        )
+
+    def _widest_axis(self) -> tuple[float, Array]:
+        """Return how far what is seen may move [m], and by which pose (3,) it does by 1 m."""
+        scale = np.array([1.0, 1.0, LEVER])
+        variances, axes = np.linalg.eigh(self.covariance * np.outer(scale, scale))
+        return math.sqrt(max(float(variances[2]), 0.0)), axes[:, 2] / scale
+
+    def expected(self, rays: Array, pose: Pose2 | None = None, reach: float = REACH) -> Expected:
+        """Return what rays (n, 9) should see of its edges within their reach [m].
+
+        Args:
+            rays: as taken.
+            pose: from where; the tracker's own without one.
+            reach: how far [m].
+        """
+        return expect(pose or self.pose, rays, self._matcher.edge_index, reach)
 
 
-def step_model(pose: Pose2, moved: Pose2, errors: StepErrors) -> tuple[Array, Array]:
-    """Return how a step from a pose moves errors of the pose (3, 3), and what it adds (3, 3)."""
-    way = math.hypot(moved.x, moved.y)
-    cos, sin = math.cos(pose.theta), math.sin(pose.theta)
-    dx, dy = cos * moved.x - sin * moved.y, sin * moved.x + cos * moved.y
-    motion = np.array([[1.0, 0.0, -dy], [0.0, 1.0, dx], [0.0, 0.0, 1.0]])
-    turn = errors.turn * abs(moved.theta) + errors.turn_by_way * way + STILL_SD[1]
-    sds = np.array([errors.ahead * way + STILL_SD[0], errors.aside * way + STILL_SD[0], turn])
-    to_map = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]]) * sds
-    return motion, to_map @ to_map.T
-
-
-def _corrected(covariance: Array, gained: Array) -> Array:
-    """Return a covariance (3, 3) after a scan with so much information (3, 3)."""
-    result: Array = inverse(inverse(covariance) + gained) + LEAST_SD**2 * np.eye(3)
-    return result
+def _correct(joint: Array, gained: Array) -> None:
+    """Correct a covariance (6, 6) by a scan with so much information of the pose (3, 3)."""
+    pose = joint[POSE, POSE].copy()
+    known = inverse(pose)
+    gain = joint[:, POSE] @ known
+    joint -= gain @ (pose - inverse(known + gained)) @ gain.T
 
 
 def expect(pose: Pose2, rays: Array, index: EdgeIndex, reach: float = REACH) -> Expected:

@@ -39,12 +39,7 @@ class WithoutPiece:
         if not stands(moved):
             self._odometry = odometry
             self._step(moved, scan)
-        every = rays_of(scan, len(scan.ranges))
-        begin = self._drawing.hidden_from(self._follower, every) - EDGE
-        if not np.isfinite(begin).any():
-            return scan
-        # No thing may begin there instead: where tape is drawn, it would be taken for that.
-        return scan.until(begin)
+        return self._hidden(scan, self._follower.tracker.pose)
 
     @property
     def is_lost(self) -> bool:
@@ -64,10 +59,21 @@ class WithoutPiece:
         tracker = self._follower.tracker
         return tracker.pose @ (self._odometry.inverse() @ odometry), tracker.by_scans
 
+    def _hidden(self, scan: Scan, pose: Pose2) -> Scan:
+        """Return a scan from a pose that ends before the piece."""
+        every = rays_of(scan, len(scan.ranges))
+        begin = self._drawing.hidden_from(self._follower, every, pose) - EDGE
+        if not np.isfinite(begin).any():
+            return scan
+        # No thing may begin there instead: where tape is drawn, it would be taken for that.
+        return scan.until(begin)
+
     def _step(self, moved: Pose2, scan: Scan) -> None:
         follower, rays = self._follower, rays_of(scan, RAYS)
         before = follower.fits, follower.misses, follower.in_place, follower.through
-        follower.tracker.step(moved, rays)
+        # The piece itself would be taken for other tape at its ends.
+        others = self._hidden(scan, follower.tracker.pose @ moved)
+        follower.tracker.step(moved, rays_of(others, RAYS))
         self._drawing.look(follower, rays)
         self._fits = FADES * self._fits + follower.fits - before[0]
         self._misses = FADES * self._misses + follower.misses - before[1]

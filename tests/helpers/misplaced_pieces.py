@@ -12,6 +12,7 @@ from robot.fields.field import Field
 from robot.geometry import Array, Pose2
 from robot.misplaced_tape.pieces import TapePiece
 from robot.scan import Scan
+from sim.imperfections import Imperfections
 
 REACH = 0.6
 WHEELS = 1.01, 0.98
@@ -62,3 +63,15 @@ def laps(
         seen = seen + rng.normal(0.0, NOISE, len(seen))
         yield Scan(number * PERIOD, BEARINGS, seen, CENTRE), odometry, truth
         truth, odometry = truth @ step, odometry @ reported
+
+
+def slipping(
+    seed: int, way: float = 0.3, step: float = 0.004, track: float = 0.112
+) -> Iterator[tuple[Pose2, float]]:
+    """Steps of odometry straight on, and the turns [rad] that slipping wheels add to the truth."""
+    usual, rng = Imperfections(), np.random.default_rng(seed)
+    kept = np.exp(-PERIOD / usual.slip_time)
+    slip = usual.slip_sd * rng.standard_normal(2)
+    for _ in range(round(way / step)):
+        yield Pose2(step), step * (slip[1] - slip[0]) / track
+        slip = kept * slip + usual.slip_sd * np.sqrt(1 - kept**2) * rng.standard_normal(2)

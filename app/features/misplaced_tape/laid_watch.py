@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from robot.misplaced_tape.as_laid import AsLaid, Laid
     from robot.misplaced_tape.laid_search import LaidSearch, LaidTapes
 
-MOST_EDGES = 600
+MOST_EDGES = 3000
 """In drawings of more edges no single piece is looked for: it would take too long."""
 MOST_TAPE = 60.0
 """In drawings with longer edges [m] it is not learnt how tape lies: it would take too long."""

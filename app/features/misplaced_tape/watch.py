@@ -21,6 +21,7 @@ from robot.fields.field import Field
 from robot.geometry import Array, Pose2
 from robot.interface import Reading, Robot
 from robot.localization.estimate import BOUNDED, KNOWN, Alert, Cause, Integrity, State
+from robot.localization.monitoring.monitor import Monitor
 from robot.localization.monitoring.mounting_check import LASER, CameraPosition
 from robot.scan import Scan
 
@@ -31,6 +32,8 @@ if TYPE_CHECKING:
 
 DOUBT_S, LONGEST_S = 0.4, 40.0
 """A place that is in doubt for so long [s] begins the search, which then lasts for so long [s]."""
+GIVEN_M = 0.05
+"""A place with a smaller standard deviation that does not fit from the start on was given [m]."""
 KNOWN_SDS = (0.005, 0.005, 0.01)
 """What a place may be off that is certain or followed, besides its covariance [m, m, rad]."""
 BOUND_SDS = 3.5
@@ -61,6 +64,11 @@ class KnownPlace(NamedTuple):
         """Return a place that may be off by as much as is claimed, or by more."""
         along, turn = claim.radius / BOUND_SDS, claim.heading_bound / BOUND_SDS
         return cls(pose, covariance + np.diag(np.square([along, along, turn])), odometry)
+
+    @classmethod
+    def usual(cls, pose: Pose2, covariance: Array, odometry: Pose2) -> KnownPlace:
+        """Return a place that may be off a little more than its covariance (3, 3) says."""
+        return cls(pose, covariance + np.diag(np.square(KNOWN_SDS)), odometry)
 
 
 @dataclass(slots=True)
@@ -136,17 +144,24 @@ class PlaceWatch(AddedModels):
 
 @dataclass(slots=True, eq=False)
 class _Memory:
+    is_first: bool = True
+    """Whether nothing was seen yet since the start, or since somebody has said where it is."""
     known: KnownPlace | None = None
     """The last such place."""
-    certain_at: float = -math.inf
+    known_at: float = -math.inf
     """Its stamp [s]."""
     search: MisplacedTapeSearch | None = None
     without: WithoutPiece | None = None
     finding: Misplaced | None = None
     """The piece that was found, also while the robot's place is lost."""
+    is_new: bool = False
+    """Whether the filter does not know yet what was found."""
     newest: tuple[Scan, Pose2] | None = None
     """The newest scan as it was seen, and odometry at its stamp."""
     telling: Telling = field(default_factory=Telling)
+    rival: Array | None = None
+    """How far from the filter's place (3,) [m, m, rad] the robot is if a piece lies elsewhere, as
+    long as that cannot be told from a robot that was moved."""
 
 
 class TapeWatch(PlaceWatch):
@@ -178,6 +193,11 @@ class TapeWatch(PlaceWatch):
         edges = self._edges[self._drawing.pieces[finding.piece].edges]
         return tuple((x1, y1, x2, y2) for x1, y1, x2, y2 in edges.round(4).tolist())
 
+    def advise(self, monitor: Monitor) -> None:
+        """Widen what is claimed, as long as tape that lies elsewhere explains as much."""
+        if self.memory.rival is not None:
+            monitor.of_clearing += np.outer(self.memory.rival, self.memory.rival)
+
     def cleared(self, scan: Scan, odometry: Pose2) -> Scan:
         """Return a scan with that tape hidden, and all behind it."""
         memory = self.memory
@@ -191,16 +211,27 @@ class TapeWatch(PlaceWatch):
         scan, _ = memory.newest
         if memory.without is not None:
             self._mind(memory.without)
-        if claim.state is State.CERTAIN:
-            memory.known = KnownPlace(pose, covariance + np.diag(np.square(KNOWN_SDS)), odometry)
-            memory.certain_at, memory.search = scan.stamp, None
+        if memory.search is not None:
+            self._search(memory.search, scan, odometry)
+        memory.rival = None if memory.search is None else _rival(memory.search, pose)
+        is_first, memory.is_first = memory.is_first, False
+        doubted = scan.stamp - memory.known_at
+        if claim.state in BOUNDED and memory.rival is None:
+            if claim.state is State.CERTAIN:
+                known = KnownPlace.usual(pose, covariance, odometry)
+                if memory.search is not None:
+                    memory.finding = memory.search.settle(pose, covariance)
+            else:
+                known = KnownPlace.claimed(claim, pose, covariance, odometry)
+            memory.known, memory.known_at, memory.search = known, scan.stamp, None
             if memory.finding is not None and memory.without is None:
-                self._follow_without(memory.finding, memory.known)
+                self._follow_without(memory.finding, known)
+        elif is_first and claim.state is State.APPROXIMATE and widest(covariance) < GIVEN_M:
+            memory.known, memory.known_at = KnownPlace.usual(pose, covariance, odometry), scan.stamp
+        elif memory.search is not None or memory.finding is not None or memory.known is None:
             return
-        if memory.finding is not None or memory.known is None or claim.state in BOUNDED:
-            return
-        if DOUBT_S < scan.stamp - memory.certain_at < LONGEST_S:
-            self._search(memory.known, scan, odometry)
+        elif DOUBT_S < doubted < LONGEST_S:
+            self._begin(memory.known)
 
     def place(
         self, state: State, pose: Pose2 | None, odometry: Pose2
@@ -209,26 +240,38 @@ class TapeWatch(PlaceWatch):
         memory = self.memory
         if memory.without is None or memory.newest is None:
             return None
+        if memory.is_new and state not in BOUNDED:
+            # What brought the place into doubt has its reason: the robot was never elsewhere.
+            memory.telling, state = Telling(), State.LOST
+        memory.is_new = False
         followed = memory.without.place(odometry)
         return memory.telling.place(memory.newest[0].stamp, followed, state, pose)
 
     def forget(self) -> None:
         """Forget where the robot was: somebody has said where it is, or that nobody knows."""
         self.memory.known = self.memory.search = self.memory.without = None
+        self.memory.is_first = True
 
-    def _search(self, known: KnownPlace, scan: Scan, odometry: Pose2) -> None:
+    def _begin(self, known: KnownPlace) -> None:
         from robot.misplaced_tape.search import MisplacedTapeSearch  # noqa: PLC0415
         from robot.misplaced_tape.tape_drawing import TapeDrawing  # noqa: PLC0415 - the first doubt
-        from robot.misplaced_tape.without_piece import WithoutPiece  # noqa: PLC0415
+
+        self._drawing = self._drawing or TapeDrawing(self._edges)
+        self.memory.search = MisplacedTapeSearch(self._drawing, *known)
+
+    def _search(self, search: MisplacedTapeSearch, scan: Scan, odometry: Pose2) -> None:
+        from robot.misplaced_tape.without_piece import WithoutPiece  # noqa: PLC0415 - rarely
 
         memory = self.memory
-        self._drawing = drawing = self._drawing or TapeDrawing(self._edges)
-        memory.search = search = memory.search or MisplacedTapeSearch(drawing, *known)
+        assert self._drawing is not None
         finding = search.add(scan, odometry)
         if finding is not None:
             memory.finding, memory.search = finding, None
             follower = search.without(finding.piece)
-            memory.without = WithoutPiece(drawing, follower, finding, odometry)
+            memory.without = WithoutPiece(self._drawing, follower, finding, odometry)
+            memory.is_new = True
+        elif scan.stamp - memory.known_at > LONGEST_S:
+            memory.search = None
 
     def _follow_without(self, finding: Misplaced, known: KnownPlace) -> None:
         from robot.misplaced_tape.without_piece import WithoutPiece  # noqa: PLC0415 - rarely
@@ -298,6 +341,14 @@ class TapeCompanion:
 def tape_companion(config: Config, robot: Robot, field: Field) -> Iterable[TapeCompanion]:
     """Return what goes along with an engine."""
     return (TapeCompanion(),)
+
+
+def _rival(search: MisplacedTapeSearch, pose: Pose2) -> Array | None:
+    """Return how far from a place the robot is if a piece lies elsewhere (3,) [m, m, rad]."""
+    rival = search.rival
+    if rival is None or rival.distance_to(pose) < AWAY_M:
+        return None
+    return np.array([rival.x - pose.x, rival.y - pose.y, pose.turn_to(rival)])
 
 
 def _alert(finding: Misplaced, drawing: TapeDrawing) -> Alert:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from misplaced_pieces import laid_by_hand, laps
+from misplaced_pieces import laid_by_hand, laps, slipping
 
 from app.settings.config import MAPS
 from robot import ray_columns as column
@@ -12,9 +12,9 @@ from robot.fields.field_loading import load_field
 from robot.geometry import Pose2
 from robot.localization.monitoring.mounting_check import LASER, CameraPosition
 from robot.misplaced_tape.laid_tape import LaidTape
-from robot.misplaced_tape.laid_tracker import CAMERA, OFFSETS, POSE, LaidTracker
+from robot.misplaced_tape.laid_tracker import CAMERA, OFFSETS, LaidTracker
+from robot.misplaced_tape.odometry_errors import POSE
 from robot.scan import Scan, rays_of
-from sim.imperfections import Imperfections
 
 FIELD = load_field("stub", MAPS)
 TAPE = LaidTape(FIELD.edges)
@@ -86,16 +86,6 @@ def test_its_standard_deviation_tells_how_far_it_is_off():
         tracker, errors = followed(laid_by_hand(FIELD, 40 + seed), 12.0)
         ratios.append(errors[-1] ** 2 / np.trace(tracker.covariance[:2, :2]) * 2)
     assert 0.2 < np.mean(ratios) < 3
-
-
-def slipping(seed, way=0.3, step=0.004, track=0.112, period=1 / 30):
-    """Steps of odometry straight on, and the turns [rad] that slipping wheels add to the truth."""
-    usual = Imperfections()
-    kept, rng = np.exp(-period / usual.slip_time), np.random.default_rng(seed)
-    slip = usual.slip_sd * rng.standard_normal(2)
-    for _ in range(round(way / step)):
-        yield Pose2(step), step * (slip[1] - slip[0]) / track
-        slip = kept * slip + usual.slip_sd * np.sqrt(1 - kept**2) * rng.standard_normal(2)
 
 
 def test_wheels_that_slip_while_nothing_is_seen_are_expected():

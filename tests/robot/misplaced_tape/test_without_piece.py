@@ -52,6 +52,26 @@ def test_what_is_left_of_a_scan_fits_the_drawing(floor):
     assert not followed.fits_again
 
 
+def test_the_piece_does_not_pull_who_does_without_it(monkeypatch):
+    """Its ends were taken for the tape beside them: a robot was certain 65 mm off for 2.5 s."""
+    followed, others = without(), moved(FIELD, DRAWING.pieces[RIGHT], None)
+    tracker, laid = followed._follower.tracker, []
+    step = tracker.step
+    monkeypatch.setattr(tracker, "step", lambda moved, rays: (laid.append(rays), step(moved, rays)))
+    pulling = whole = 0
+    for scan, odometry, truth in laps(ELSEWHERE, 15.0, START):
+        laid.clear()
+        followed.clear(scan, odometry)
+        drawn = others.ranges((truth @ scan.robot_from_scan).to_array()[None], scan.bearings, 0.6)
+        if laid:
+            seen = np.isin(scan.ranges, laid[0][:, column.RANGE]) & scan.hit
+            apart = np.abs(scan.ranges[seen] - np.nan_to_num(drawn[0], posinf=9.0)[seen])
+            pulling += (apart > 0.02).sum()
+            whole += seen.sum()
+    assert whole > 1000
+    assert pulling < 0.003 * whole
+
+
 def test_rays_to_a_piece_that_is_gone_are_no_reason_to_doubt_the_place():
     """As if a thing hid it, each of them counted as one that had missed tape: a robot was lost."""
     followed, evidence, cut = without(), RayEvidence.of(FIELD, 1.0, 0.002), 0
