@@ -56,7 +56,6 @@ export class FieldPanel {
     this.faults.setField(field);
     // The server has begun anew, with what it knows of fields.
     if (this.popover.shown) this.#read();
-    else this.#readFaults();
   }
 
   /** @param {string} map */

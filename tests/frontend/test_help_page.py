@@ -63,6 +63,10 @@ def test_the_question_mark_opens_the_help_and_escape_gives_the_focus_back(page):
 def test_what_is_seldom_asked_for_is_loaded_then(browser, server):
     for page in opened(browser, server, width=1280, height=720, view=False):
         page.wait_for_function("window.brickpose.delays.length > 0")
+        # The floor's picture is asked for last.
+        page.wait_for_function(
+            "performance.getEntriesByType('resource').some((one) => /field.png/.test(one.name))"
+        )
         loaded = page.evaluate(
             "performance.getEntriesByType('resource')"
             ".concat(performance.getEntriesByType('navigation'))"
