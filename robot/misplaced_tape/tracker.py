@@ -89,13 +89,6 @@ class PlaceTracker:
         """Largest standard deviation of the place [m]."""
         return widest(self.covariance)
 
-    def _predict(self, moved: Pose2) -> None:
-        step = corrected_step(moved, self.wheels)
-        self.wheels = LASTING * self.wheels
-        predict(self._joint, self.pose, moved, step)
-        predict(self._joint_by_scans, self.pose, moved, step)
-        self.pose = self.pose @ step
-
     @property
     def spread(self) -> float:
         """Largest standard deviation of what is seen from the place [m]."""
@@ -114,12 +107,6 @@ class PlaceTracker:
             Pose2(pose.x - x, pose.y - y, pose.theta - turn),
         )
 
-    def _widest_axis(self) -> tuple[float, Array]:
-        """Return how far what is seen may move [m], and by which pose (3,) it does by 1 m."""
-        scale = np.array([1.0, 1.0, LEVER])
-        variances, axes = np.linalg.eigh(self.covariance * np.outer(scale, scale))
-        return math.sqrt(max(float(variances[2]), 0.0)), axes[:, 2] / scale
-
     def expected(self, rays: Array, pose: Pose2 | None = None, reach: float = REACH) -> Expected:
         """Return what rays (n, 9) should see of its edges within their reach [m].
 
@@ -129,6 +116,19 @@ class PlaceTracker:
             reach: how far [m].
         """
         return expect(pose or self.pose, rays, self._matcher.edge_index, reach)
+
+    def _predict(self, moved: Pose2) -> None:
+        step = corrected_step(moved, self.wheels)
+        self.wheels = LASTING * self.wheels
+        predict(self._joint, self.pose, moved, step)
+        predict(self._joint_by_scans, self.pose, moved, step)
+        self.pose = self.pose @ step
+
+    def _widest_axis(self) -> tuple[float, Array]:
+        """Return how far what is seen may move [m], and by which pose (3,) it does by 1 m."""
+        scale = np.array([1.0, 1.0, LEVER])
+        variances, axes = np.linalg.eigh(self.covariance * np.outer(scale, scale))
+        return math.sqrt(max(float(variances[2]), 0.0)), axes[:, 2] / scale
 
 
 def _correct(joint: Array, gained: Array) -> None:
