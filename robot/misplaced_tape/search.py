@@ -209,8 +209,7 @@ def _led_to(follower: PlaceFollower, whole: PlaceFollower, pose: Pose2, covarian
     """Whether odometry has led to where the robot is, and it looked through the piece meanwhile."""
     tracker = follower.tracker
     looked = follower.in_place + follower.through
-    apart = pose.to_array() - tracker.pose.to_array()
-    apart[2] = tracker.pose.turn_to(pose)
+    apart = tracker.pose.offset_to(pose)
     squared = float(apart @ inverse(tracker.covariance + covariance) @ apart)
     return (
         follower.through >= ENOUGH

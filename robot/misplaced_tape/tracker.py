@@ -77,7 +77,7 @@ class PlaceTracker:
         before = self.pose
         pose, information, _ = fit_rays(before.to_array(), known, rays, self._matcher)
         self.pose = Pose2(*pose.tolist())
-        leap = np.array([self.pose.x - before.x, self.pose.y - before.y, before.turn_to(self.pose)])
+        leap = before.offset_to(self.pose)
         self.leap = max(self.leap, math.sqrt(float(leap @ known @ leap)))
         self.wheels = self.wheels + self._joint[WHEELS, POSE] @ known @ leap
         gained = information - known

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -10,13 +10,17 @@ from floor_scans import BEARINGS, CENTRE, NOISE, PERIOD
 
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2
+from robot.misplaced_tape.laid_tracker import LaidTracker
 from robot.misplaced_tape.pieces import TapePiece
-from robot.scan import Scan
+from robot.misplaced_tape.tracker import PlaceTracker
+from robot.scan import Scan, rays_of
 from sim.imperfections import Imperfections
 
 REACH = 0.6
 WHEELS = 1.01, 0.98
 """What odometry reports of ways and turns."""
+NOTHING = rays_of(Scan(0.0, np.linspace(-1, 1, 61), np.full(61, np.inf), Pose2()), 61)
+"""Rays (61, 9) that return nothing."""
 
 
 def moved(field: Field, piece: TapePiece, shift: tuple[float, float] | None) -> Field:
@@ -65,7 +69,22 @@ def laps(
         truth, odometry = truth @ step, odometry @ reported
 
 
-def slipping(
+def slip_surprises(begin: Callable[[], PlaceTracker | LaidTracker]) -> list[float]:
+    """By what turns of slipping wheels surprise a tracker that sees nothing: squares of standard
+    deviations."""
+    squared = []
+    for seed in range(60):
+        tracker, turned = begin(), 0.0
+        start, known = tracker.pose.theta, tracker.covariance[2, 2]
+        for step, turn in _slipping(seed):
+            tracker.step(step, NOTHING)
+            turned += turn
+        off = tracker.pose.theta - start - turned
+        squared.append(off**2 / (tracker.covariance[2, 2] - known))
+    return squared
+
+
+def _slipping(
     seed: int, way: float = 0.3, step: float = 0.004, track: float = 0.112
 ) -> Iterator[tuple[Pose2, float]]:
     """Steps of odometry straight on, and the turns [rad] that slipping wheels add to the truth."""

@@ -205,7 +205,7 @@ class TapeWatch(PlaceWatch):
         return scan if memory.without is None else memory.without.clear(scan, odometry)
 
     def look(self, claim: Integrity, pose: Pose2, covariance: Array, odometry: Pose2) -> None:
-        """Look for the piece while a place that was certain is in doubt."""
+        """Look for the piece while a place that was known is in doubt."""
         memory = self.memory
         assert memory.newest is not None
         scan, _ = memory.newest
@@ -215,7 +215,6 @@ class TapeWatch(PlaceWatch):
             self._search(memory.search, scan, odometry)
         memory.rival = None if memory.search is None else _rival(memory.search, pose)
         is_first, memory.is_first = memory.is_first, False
-        doubted = scan.stamp - memory.known_at
         if claim.state in BOUNDED and memory.rival is None:
             if claim.state is State.CERTAIN:
                 known = KnownPlace.usual(pose, covariance, odometry)
@@ -228,9 +227,12 @@ class TapeWatch(PlaceWatch):
                 self._follow_without(memory.finding, known)
         elif is_first and claim.state is State.APPROXIMATE and widest(covariance) < GIVEN_M:
             memory.known, memory.known_at = KnownPlace.usual(pose, covariance, odometry), scan.stamp
-        elif memory.search is not None or memory.finding is not None or memory.known is None:
-            return
-        elif DOUBT_S < doubted < LONGEST_S:
+        elif (
+            memory.known is not None
+            and memory.search is None
+            and memory.finding is None
+            and DOUBT_S < scan.stamp - memory.known_at < LONGEST_S
+        ):
             self._begin(memory.known)
 
     def place(
@@ -348,7 +350,7 @@ def _rival(search: MisplacedTapeSearch, pose: Pose2) -> Array | None:
     rival = search.rival
     if rival is None or rival.distance_to(pose) < AWAY_M:
         return None
-    return np.array([rival.x - pose.x, rival.y - pose.y, pose.turn_to(rival)])
+    return pose.offset_to(rival)
 
 
 def _alert(finding: Misplaced, drawing: TapeDrawing) -> Alert:

@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from misplaced_pieces import laps, slipping
+from misplaced_pieces import NOTHING, laps, slip_surprises
 
 from app.settings.config import MAPS
 from robot.fields.field_loading import load_field
 from robot.geometry import Pose2
 from robot.misplaced_tape.tracker import BESIDE_SDS, FARTHEST_BESIDE, PlaceTracker
-from robot.scan import Scan, rays_of
+from robot.scan import rays_of
 
 FIELD = load_field("stub", MAPS)
 START = Pose2(0.0, -0.2)
 KNOWN = np.diag([2.5e-5, 2.5e-5, 1e-4])
-NOTHING = rays_of(Scan(0.0, np.linspace(-1, 1, 61), np.full(61, np.inf), Pose2()), 61)
 
 
 def test_scans_keep_the_place():
@@ -47,14 +46,7 @@ def test_what_scans_tell_of_the_wheels_stays_when_nothing_is_seen():
 def test_wheels_that_slip_while_nothing_is_seen_are_expected():
     """It claimed 2 mrad where slip makes 60; the first tape then seemed to show that it was
     moved, and what had explained its doubt was dropped for good."""
-    squared = []
-    for seed in range(60):
-        tracker, turned = PlaceTracker(FIELD.edges, START, KNOWN), 0.0
-        for moved, turn in slipping(seed):
-            tracker.step(moved, NOTHING)
-            turned += turn
-        off = tracker.pose.theta - START.theta - turned
-        squared.append(off**2 / (tracker.covariance[2, 2] - KNOWN[2, 2]))
+    squared = slip_surprises(lambda: PlaceTracker(FIELD.edges, START, KNOWN))
     assert 0.3 < np.mean(squared) < 2
 
 

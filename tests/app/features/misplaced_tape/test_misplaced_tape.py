@@ -39,6 +39,7 @@ def test_a_piece_that_is_in_sight_from_the_start_is_named(seed):
         drive, config, lambda begun: begun.set_pose(start, KNOWN), believed=field
     ):
         if watch_of(localization).memory.finding is not None:
+            assert {y for _, y, _, _ in watch_of(localization).outline} == {-0.525, -0.475}
             pose = localization.belief.pose(odometry) if localization.belief else None
             errors.append(pose.distance_to(drive.truth_at(tick.scan.stamp)) if pose else np.inf)
     assert len(errors) > 60
