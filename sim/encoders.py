@@ -50,7 +50,9 @@ class Encoders:
         """
         if self._past:
             self._slide(positions, stamp)
-        reported = self._count(positions + self._slipped)
+        reported = positions + self._slipped
+        if self._step > 0:
+            reported = self._step * np.floor((reported + self._phase) / self._step)
         self._past.append((stamp, positions.copy(), reported))
         # Keep the newest reading that is at least ``VELOCITY_SPAN`` old, and all newer ones.
         while len(self._past) > 2 and self._past[1][0] <= stamp - VELOCITY_SPAN + 1e-9:
@@ -68,8 +70,3 @@ class Encoders:
         drift = self._imperfections.slip_sd * math.sqrt(1 - kept * kept)
         self._slip = kept * self._slip + drift * self._rng.standard_normal(len(self._slip))
         self._slipped += self._slip * (positions - last_positions)
-
-    def _count(self, turned: Array) -> Array:
-        if self._step == 0:
-            return turned
-        return self._step * np.floor((turned + self._phase) / self._step)

@@ -116,8 +116,9 @@ class FloorCamera:
         self._rng = rng
         self.turn(view)
         self._light = _light(view.lens.width, view.lens.height, settings.vignetting, settings.light)
-        self._noise = _noise_table(view, settings.noise, rng)
         self._size = (view.lens.height, view.lens.width)
+        table = view.lens.height + _NOISE_MARGIN, view.lens.width + _NOISE_MARGIN
+        self._noise = np.rint(rng.normal(0, settings.noise, table)).astype(np.int16)
 
     def turn(self, view: FloorView) -> None:
         """Look at the floor in another way, through the same lens; no picture may be under way."""
@@ -167,8 +168,3 @@ def _light(width: int, height: int, lost: float, light: float) -> NDArray[np.flo
     x = np.linspace(-1, 1, width)
     y = np.linspace(-1, 1, height)[:, None]
     return (1 - lost * (x * x + y * y) / 2).astype(np.float32) * np.float32(light)
-
-
-def _noise_table(view: FloorView, sd: float, rng: np.random.Generator) -> NDArray[np.int16]:
-    shape = (view.lens.height + _NOISE_MARGIN, view.lens.width + _NOISE_MARGIN)
-    return np.rint(rng.normal(0, sd, shape)).astype(np.int16)

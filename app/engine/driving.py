@@ -153,7 +153,7 @@ class Driving:
     def update(self, odometry: OdometryState) -> Twist2:
         """Return the twist to apply at a pose in the odom frame."""
         stamp = odometry.stamp
-        stands = self._held or self._lapsed(stamp)
+        stands = self._held or lapsed(stamp, self._renewed + self._timeout)
         if programme := self.programme:
             self._follow_programme(programme, stamp, not stands)
         elif self.mode == "explore":
@@ -165,9 +165,6 @@ class Driving:
         if not self._controller.active:
             self.mode = "idle" if self.mode == "drive" else self.mode
         return twist
-
-    def _lapsed(self, stamp: float) -> bool:
-        return lapsed(stamp, self._renewed + self._timeout)
 
     def _follow_route(self, odometry: OdometryState, stands: bool) -> None:
         """Follow the route; stand at its end, and while the command is not renewed."""

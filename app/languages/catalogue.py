@@ -30,7 +30,8 @@ class Catalogue:
 
     def t(self, text: str, /, **values: object) -> str:
         """Return a text with ``{names}`` replaced by values, in this language."""
-        return _filled(self.texts.get(text, (text,))[0], values, self.point)
+        shown = {name: _shown(value, self.point) for name, value in values.items()}
+        return filled(self.texts.get(text, (text,))[0], shown)
 
     def translated(self, text: str) -> str:
         """Return in this language what the program tells in English, as an error's message.
@@ -85,10 +86,6 @@ def _forms(text: str | tuple[str, ...] | list[str] | None) -> tuple[str, ...]:
 def _templates(language: str) -> Templates:
     own = catalogue(language)
     return Templates({text: forms[0] for text, forms in own.texts.items()}, own.point)
-
-
-def _filled(text: str, values: Mapping[str, object], point: str) -> str:
-    return filled(text, {name: _shown(value, point) for name, value in values.items()})
 
 
 def _shown(value: object, point: str) -> str:

@@ -29,7 +29,8 @@ def language_router() -> APIRouter:
     def texts(code: str) -> LanguageMessage:
         """Return the texts of a language, by their English ones."""
         if code not in languages():
-            raise HTTPException(404, f"there is no language {code}; valid are {_codes()}")
+            valid = ", ".join(languages())
+            raise HTTPException(404, f"there is no language {code}; valid are {valid}")
         own = catalogue(code)
         return LanguageMessage(
             language=code, plural=own.plural, point=own.point,
@@ -100,7 +101,3 @@ def _page(path: Path, changed: int, code: str) -> str:
     return text.replace(
         '<html lang="en">', f'<html lang="{code}" data-languages="{" ".join(languages())}">', 1
     )
-
-
-def _codes() -> str:
-    return ", ".join(languages())

@@ -9,7 +9,6 @@ from functools import lru_cache
 from app.engine.drivers import DriveState
 from app.engine.plugging import plugged
 from app.engine.program import Program
-from app.engine.robot_facts import RobotFacts
 from app.engine.snapshot import LAYERS, Snapshot
 from app.engine.values import listed
 from app.messages.answers import FieldMessage
@@ -123,6 +122,7 @@ def field_message(program: Program) -> FieldMessage:
     """Return the message that a page gets first, and again after a calibration."""
     field, spec, scanner = program.field, program.engine.spec, program.engine.scanner
     drive, initial = program.config.drive, program.config.localization.filter
+    robot = program.facts
     lines = scanner.table.lines(9).round(1).tolist()
     view_home = home(field.floor.extent).round(3).tolist()
     return FieldMessage(
@@ -133,7 +133,7 @@ def field_message(program: Program) -> FieldMessage:
         start=PoseMessage(x=field.start.x, y=field.start.y, theta=field.start.theta),
         robot_outline=[(x, y) for x, y in spec.outline.round(4).tolist()],
         robot_measured=spec.measured,
-        engine_missing=_engine_missing(program.facts),
+        engine_missing=robot.has_faults and robot.engine is None and not engine_is_here(),
         max_v=drive.max_velocity,
         max_omega=drive.max_angular_velocity,
         drive_timeout=drive.cmd_vel_timeout,
@@ -147,10 +147,6 @@ def field_message(program: Program) -> FieldMessage:
         rays_px=[[(u, v) for u, v in line] for line in lines],
         features=[feature.name for feature in plugged().features.active],
     )
-
-
-def _engine_missing(robot: RobotFacts) -> bool:
-    return robot.has_faults and robot.engine is None and not engine_is_here()
 
 
 def _rounded(values: Array, digits: int) -> list[float]:

@@ -189,7 +189,9 @@ class Localizer:
 
     def advance(self, odometry: Pose2) -> Pose2:
         """Move the belief by all of the odometry since it was last moved; return the step."""
-        moved = self._as_wheels_are(self.moved(odometry))
+        moved = self.moved(odometry)
+        if self.monitor is not None:
+            moved = self.monitor.corrected_step(moved)
         # The odometry of the last step advances only with a prediction, so no motion is lost.
         self._odometry = odometry
         for each in self._filters:
@@ -284,9 +286,6 @@ class Localizer:
         if self._odometry is None:
             self._odometry = odometry
         return self._odometry.inverse() @ odometry
-
-    def _as_wheels_are(self, moved: Pose2) -> Pose2:
-        return moved if self.monitor is None else self.monitor.corrected_step(moved)
 
     def _is_due(self, moved: Pose2) -> bool:
         far = math.hypot(moved.x, moved.y) >= self.parameters.update_min_d

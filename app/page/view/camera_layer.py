@@ -43,7 +43,8 @@ class CameraLayer:
         self._drawn = drawn
         self._frustum = scene.add_camera_frustum(
             "/robot/camera",
-            *_angles(spec),
+            fov=2 * math.atan(spec.lens.height / 2 / spec.lens.matrix[1, 1]),
+            aspect=spec.lens.width / spec.lens.height,
             scale=FRUSTUM_M,
             thickness=0.001,
             color=COLOUR,
@@ -157,12 +158,6 @@ def _colours(image: MatLike) -> NDArray[np.uint8]:
     """Return a picture in grey, or in OpenCV's order of colours, as red, green and blue."""
     pixels = np.asarray(image, np.uint8)
     return pixels[:, :, ::-1] if pixels.ndim == 3 else np.repeat(pixels[:, :, None], 3, axis=2)
-
-
-def _angles(spec: RobotSpec) -> tuple[float, float]:
-    """Return the angle from the picture's top to its bottom [rad], and width by height."""
-    lens = spec.lens
-    return 2 * math.atan(lens.height / 2 / lens.matrix[1, 1]), lens.width / lens.height
 
 
 def _turn(spec: RobotSpec) -> tuple[float, float, float, float]:

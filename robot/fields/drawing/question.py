@@ -127,14 +127,11 @@ def _is_floor(size: PageSize, unit: str) -> bool:
 def _sides(size: PageSize, factor: float) -> tuple[str, str, str]:
     """Return width, height [mm] and the viewBox that make a unit so many millimetres."""
     # Without a viewBox a size with a unit is that of the page alone, and is kept.
-    sides = (size.width / factor, size.height / factor) if _is_pages(size) else size.box
+    is_pages = size.has_unit and not size.has_box
+    sides = (size.width / factor, size.height / factor) if is_pages else size.box
     width, height = (f"{side * factor:.6g}" for side in sides)
     box = "" if size.has_box else f' viewBox="0 0 {sides[0]:.6g} {sides[1]:.6g}"'
     return width, height, box
-
-
-def _is_pages(size: PageSize) -> bool:
-    return size.has_unit and not size.has_box
 
 
 def _compare(answer: str, tape: float) -> None:

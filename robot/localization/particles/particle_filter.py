@@ -230,12 +230,10 @@ class ParticleFilter:
 
     def _describe(self) -> None:
         poses, weights = self._particles.poses, self._particles.weights
-        self._clusters: Clusters = find_clusters(poses, weights, self._cells())
-        self._moved = False
-
-    def _cells(self) -> Cells:
         turns = max(1, round(2 * math.pi / self.parameters.cell_theta))
-        return Cells(self.parameters.cell_xy, turns)
+        cells = Cells(self.parameters.cell_xy, turns)
+        self._clusters: Clusters = find_clusters(poses, weights, cells)
+        self._moved = False
 
 
 def _believed(scan: Scan, extra_sd: float) -> Scan:
