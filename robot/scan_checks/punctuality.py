@@ -18,7 +18,7 @@ from robot.geometry import Pose2, Twist2
 from robot.scan import Scan
 from robot.scan_checks.lateness_filter import LatenessFilter
 from robot.scan_checks.overlay import near_points
-from robot.scan_checks.timed_tape import LATEST, STEP, RecentPath, TimedTape
+from robot.scan_checks.timed_tape import RecentPath, TimedTape
 
 STRIDE = 0.02
 """Tape is compared after each such way [m]."""
@@ -30,14 +30,16 @@ OFF, GLIMPSED, LIES, REST = 0.005, 0.003, 0.0015, 0.35
 """Tape is off by more than OFF if a picture is late, or than GLIMPSED before the robot has driven a
 whole stride [m]. With its lateness it is off by less than LIES [m], or than that share of it, REST,
 and less than OFF."""
-LEAST, FARTHEST = 0.025, LATEST - STEP / 2
-"""A change of lateness that is believed is at least the one and less than the other [s]."""
+LEAST, FARTHEST = 0.025, 0.165
+"""A change of lateness that is believed is at least the one and less than the other [s]: the tape
+of robots that were stuck is laid on other tape by 0.18."""
 SWINGS, WITHIN, LASTS = 3, 2.5, 10.0
 """Pictures are late by turns if lateness swings so often, to and fro, within this time [s]; and are
 taken for such until pictures were compared for LASTS [s] in which they have not done so."""
-CONFIRMED, CHANGE = 2, 0.05
-"""Lateness has changed for good if so many comparisons after that find it as it is then; a smaller
-change [s] may be a wheel that has slipped for a moment."""
+CONFIRMED, PROVES, CHANGE = 2, 0.5, 0.05
+"""Lateness has changed for good if so many comparisons after that find it as it is then, and in one
+of them the change lays tape by this share nearer to that before it; a smaller change [s] may be a
+wheel that has slipped for a moment."""
 DISTRUST = 2.0
 """Wheels that slip may do so again for this long [s]: meanwhile no change is believed."""
 
@@ -74,8 +76,10 @@ class Punctuality:
         self._swings: deque[tuple[float, float]] = deque()
         """Stamps of the last changes, and by how much lateness grew [s]."""
         self._pending: float | None = None
-        """Lateness that waits for comparisons that find it again [s]."""
-        self._fitting = 0
+        """Lateness that waits for pictures that prove it [s]."""
+        self._before: TimedTape | None = None
+        """The picture before that change."""
+        self._fitting, self._proven = 0, False
         self._grown = 0.0
         """By how much later than those before the newest picture seems to be, if it is doubted [s].
         """
@@ -131,7 +135,8 @@ class Punctuality:
         elif _is_stride(anchor, seen):
             self._even += seen.stamp - anchor.stamp
             if seen.error(anchor, late) < OFF:
-                self._confirm(seen.stamp)
+                self._confirm(seen)
+                late = self._assumed
             else:
                 late = self._change(anchor, seen)
             self._anchor = replace(seen, late=late)
@@ -148,16 +153,26 @@ class Punctuality:
     def _doubt(self, grown: float) -> None:
         self.doubted, self._grown = True, grown
 
-    def _confirm(self, stamp: float) -> None:
-        if self._pending is None:
+    def _confirm(self, seen: TimedTape) -> None:
+        """Confirm a change: pictures are as late as each other, and the tape before it tells so."""
+        pending, before = self._pending, self._before
+        if pending is None or before is None:
             return
         self._fitting += 1
-        if self._fitting >= CONFIRMED:
-            grown = self._pending - self.usual
-            if abs(grown) > CHANGE and self.habit is not Habit.BY_TURNS:
-                self.habit, self.changed = Habit.LATER, stamp
-                self._doubt(grown)  # from this picture on it is reckoned with
-            self.usual, self._pending = self._pending, None
+        if seen.can_be_laid_on(before):
+            # By each other alone, pictures after a change would fit as well without it.
+            changed, same = seen.error(before, pending), seen.error(before, self.usual)
+            self._proven |= changed <= PROVES * same
+        if self._fitting < CONFIRMED:
+            return
+        self._pending = None
+        if not self._proven:
+            return
+        grown = pending - self.usual
+        if abs(grown) > CHANGE and self.habit is not Habit.BY_TURNS:
+            self.habit, self.changed = Habit.LATER, seen.stamp
+            self._doubt(grown)  # from this picture on it is reckoned with
+        self.usual = pending
 
     def _search(self, before: TimedTape, after: TimedTape) -> float | None:
         """Return another lateness of a picture [s] that lays its tape on that before."""
@@ -178,7 +193,7 @@ class Punctuality:
             self._pending, self._distrusted = None, after.stamp + DISTRUST
             self._swings.clear()
             return self.usual
-        self._pending, self._fitting = late, 0
+        self._pending, self._before, self._fitting, self._proven = late, before, 0, False
         self._doubt(grown)
         self._swings.append((after.stamp, grown))
         while after.stamp - self._swings[0][0] > WITHIN:
