@@ -131,6 +131,15 @@ def test_what_is_alive_is_lived_through_though_it_is_not_found() -> None:
     assert other.fits.mean() < right.fits.mean() - 1
 
 
+def test_a_robot_beside_the_drive_area_is_found_if_it_is_likely_to_be_near() -> None:
+    """It stands beside the outer corner of the tape."""
+    start = Pose2(-0.7, -0.7, 0.2)
+    elsewhere, end = searched(start, seconds=0.8)
+    assert not at(done(elsewhere).found, end)
+    near_by, _ = searched(start, seconds=0.8, alive=[end @ Pose2(0.12, -0.06, 0.2)])
+    assert at(done(near_by).found, end)
+
+
 def test_it_finds_what_the_map_held_when_it_began() -> None:
     parameters, setup, drive = DEFAULTS.hypotheses, SETUPS["stub"], Drive()
     local = LocalMap(parameters.map_step_xy, parameters.map_step_theta, parameters.map_scans)
