@@ -33,9 +33,9 @@ REPLAYED_SCANS, REPLAYED_BEAMS = 8, 30
 PEAKS = 90
 """Poses of the grid that are laid on the edges."""
 BESIDE = 0.3
-"""The field is searched so far around the likeliest pose, too [m]: stuck wheels may lead a robot
-beside where robots drive. Of such a drive (*tee*, stuck, seed 20220) 21 % is certain; half: 7;
-twice: 26; without it none."""
+"""If the likeliest pose lies beside where robots drive, as stuck wheels may lead one, the field is
+searched so far around it, too [m]. Of such a drive (*tee*, stuck, seed 20220) 21 % is certain;
+half: 7; twice: 27."""
 WORSE = 1.5
 """A place is dropped if its log-likelihood per ray is this much below the best one's. Half and
 twice: nothing changes beyond chance (``python -m benchmarks.constants --few``)."""
