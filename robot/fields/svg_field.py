@@ -93,7 +93,7 @@ def _painted(page: Page, name: str) -> Field:
     tape = drawn_tape(coats)
     extent = _extent(page)
     _check_widths(tape, page)
-    area = _within(tape.area, extent, page)
+    area = _within(tape, extent, page)
     ask(page.size, tape.kinds[0].width * 1000, page.tape)
     return Field(
         name=name,
@@ -114,13 +114,14 @@ def _check_widths(tape: DrawnTape, page: Page) -> None:
             refuse_thin(page.size, width, TAPE_MM)
 
 
-def _within(tape: shapely.Geometry, extent: Extent, page: Page) -> shapely.Geometry:
+def _within(tape: DrawnTape, extent: Extent, page: Page) -> shapely.Geometry:
     """Return the tape on the floor, its outlines without false corners.
 
     Coordinates are snapped to nanometres. Then lines that continue each other up to a rounding
     error are one, and a ring can begin at its lowest left point, which is a true corner.
     """
-    on_floor = shapely.intersection(without_slits(tape), shapely.box(*extent))
+    widest = max((kind.width for kind in tape.kinds), default=0.0)
+    on_floor = shapely.intersection(without_slits(tape.area, widest), shapely.box(*extent))
     areas = [part for part in shapely.get_parts(on_floor) if part.geom_type == "Polygon"]
     snapped = shapely.set_precision(shapely.union_all(areas), 1e-9)
     tidy = shapely.simplify(shapely.normalize(snapped), MERGED_M)

@@ -8,10 +8,13 @@ import re
 import numpy as np
 import pytest
 import shapely
+from tape_trials import SCANNER, STILL, camera_of, expected
 
-from robot.fields.drawing.slits import WIDEST_M, without_slits
+from robot.fields.drawing.slits import without_slits
 from robot.fields.field import FieldError
 from robot.fields.svg_field import drawn_field, field_of_drawing
+from robot.geometry import Pose2
+from robot.interface import Frame
 
 SVG = 'xmlns="http://www.w3.org/2000/svg"'
 PT, PX, DOTS = 72 / 25.4, 96 / 25.4, 300 / 25.4
@@ -134,18 +137,48 @@ def test_a_circle_of_unjoined_lines_is_two_circles_of_edges(count: int) -> None:
     assert len(shapely.get_parts(faces)) == 2
 
 
-def test_gaps_that_a_camera_sees_stay() -> None:
-    tape = shapely.union_all([shapely.box(0, 0, 1, 0.05), shapely.box(0, 0.0515, 1, 0.1)])
-    assert without_slits(tape) is tape
+def cut(whole: shapely.Geometry, gap: float, length: float) -> shapely.Geometry:
+    """Cut a slit of a width and a length [m] into tape, from its left end."""
+    return shapely.difference(whole, shapely.box(-1, 0.05, length, 0.05 + gap))
 
 
-@pytest.mark.parametrize("gap", [0.0001, 0.0004, 0.9 * WIDEST_M])
-def test_narrower_gaps_are_closed_and_all_else_stays(gap: float) -> None:
-    slit = shapely.box(-1, 0.05, 2, 0.05 + gap)
-    notch = shapely.Polygon([(0.3, 0), (0.5, 0.03), (0.4, 0)])
-    whole = shapely.difference(shapely.box(0, 0, 1, 0.1), notch)
-    closed = without_slits(shapely.difference(whole, slit))
+STRIPS = shapely.box(0, 0, 1, 0.1)
+
+
+@pytest.mark.parametrize(("gap", "length"), [(0.0003, 2), (0.0009, 2), (0.0015, 2), (0.0015, 0.03)])
+def test_gaps_that_a_camera_sees_stay(gap: float, length: float) -> None:
+    tape = cut(STRIPS, gap, length)
+    assert shapely.area(shapely.symmetric_difference(without_slits(tape, 0.05), tape)) < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("gap", "length"), [(0.0001, 2), (0.0002, 2), (0.0004, 0.07), (0.0009, 0.05)]
+)
+def test_narrower_gaps_are_closed_and_all_else_stays(gap: float, length: float) -> None:
+    whole = shapely.difference(STRIPS, shapely.Polygon([(0.3, 0), (0.5, 0.03), (0.4, 0)]))
+    closed = without_slits(cut(whole, gap, length), 0.05)
     assert shapely.area(shapely.symmetric_difference(closed, whole)) < 1e-9
+
+
+def two_strips(gap: float) -> str:
+    """Two strips of 5 cm across the robot's way, a gap [mm] apart."""
+    return (
+        f'<svg {SVG} width="1600mm" height="1600mm" viewBox="-800 -800 1600 1600">'
+        f'<path d="M 225 -700 V 700 M {275 + gap} -700 V 700" stroke="black" stroke-width="50" '
+        'fill="none"/></svg>'
+    )
+
+
+@pytest.mark.parametrize("gap", [0.2, 0.4, 0.7, 0.95, 1.5])
+def test_a_map_of_two_strips_has_what_the_scanner_sees(gap: float) -> None:
+    field = field_of_drawing(two_strips(gap), "strips")
+    camera, right = camera_of(field), []
+    for robot in (Pose2(x, 0.0, theta) for x in (-0.06, 0.06) for theta in (0.0, 0.6)):
+        scan = SCANNER.scan(Frame(0.0, camera.picture(robot, STILL))).scan
+        ranges, begins = scan.ranges[scan.hit], expected(field, robot, SCANNER)[0][scan.hit]
+        right += (np.abs(ranges - begins) < 0.004).tolist()
+    assert len(right) > 200 or gap == 0.2  # these are one strip, which is too wide for tape
+    assert np.mean(right) > 0.97
 
 
 # --- one plain function --------------------------------------------------------------------------
