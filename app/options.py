@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 from app.feature import SettingOption
-from app.settings.conditions import apply_condition, condition_names
 from app.settings.config import Config, as_table, load_config
 from robot.settings import describe
 
@@ -61,18 +60,6 @@ def add_setting(command: argparse.ArgumentParser, option: SettingOption) -> None
     command.add_argument(option.flag, help=words.replace("%", "%%"), **kind)
 
 
-def add_condition(command: argparse.ArgumentParser, *, many: bool = False) -> None:
-    """Add the option for conditions, which make a simulation worse."""
-    repeated = "; may be given more than once" if many else ""
-    command.add_argument(
-        "--condition",
-        metavar="NAME",
-        action="append" if many else "store",
-        help=f"a named condition that makes a simulation worse{repeated}: {condition_names()} "
-        "(default: default)",
-    )
-
-
 def add_config(command: argparse.ArgumentParser) -> None:
     """Add the option for a file of settings."""
     words = "settings (docs/configuration.md); options win over them"
@@ -83,9 +70,7 @@ def config_from(parsed: argparse.Namespace) -> Config:
     """Return the configuration of the file, if one is given, overridden by the other options."""
     given = vars(parsed)
     config = config_of(given, SETTINGS)
-    if "features" in given:
-        config = given["features"].with_run_options(config, given)
-    return apply_condition(config, given["condition"]) if "condition" in given else config
+    return given["features"].with_run_options(config, given) if "features" in given else config
 
 
 def config_of(given: dict[str, Any], names: Iterable[str] = ("map", "profile")) -> Config:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from app.command_parser import CommandParser
-from app.options import add_condition, add_config, add_settings, config_from
+from app.options import add_config, add_settings, config_from
 from app.page.access_options import add_access
 
 
@@ -21,7 +21,6 @@ def add_serving(run: CommandParser) -> None:
     """Add the options of every command that serves the dashboard with a robot."""
     add_settings(run, "robot", "serial_port", "camera", "map", "host", "port", "seed")
     add_access(run)
-    add_condition(run)
     add_settings(run, "profile")
     add_config(run)
     if run.features is not None:

@@ -1,10 +1,16 @@
-"""What faults add: a simulated robot is made worse, or mended, while it drives."""
+"""What faults add: a simulated robot is worse from the start, or made worse while it drives."""
 
-from app.feature import Feature, Late
+from app.feature import Feature, Late, RunOptions
 
 FEATURE = Feature(
     name="faults",
     about="changes what is wrong with a simulated robot while it drives, from the page",
+    run_options=(
+        RunOptions(
+            Late("app.features.faults.run_options:add"),
+            Late("app.features.faults.run_options:apply"),
+        ),
+    ),
     routers=(Late("app.features.faults.routes:faults_router"),),
     commands=(Late("app.features.faults.commands:COMMANDS"),),
     messages=(Late("app.features.faults.messages:MESSAGES"),),

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from app.condition_option import with_condition
 from app.console import say
 from app.engine.build import build_program
 from app.engine.program import LocalProgram
@@ -79,7 +80,7 @@ def calibrate_drive(given: dict[str, Any]) -> int:
     report = _show if sys.stderr.isatty() else _silent
     if recording is None:
         lens = profile_before(out, robot_kind(driven).description()).lens
-        config = config_from(Namespace(**given))
+        config = with_condition(config_from(Namespace(**given)), given)
         result = calibrate_by_driving(config, seconds, pose, report, lens, until)
     else:
         for name in LIVE_ONLY:

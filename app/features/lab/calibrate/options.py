@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from app.command_parser import NO_OPTIONS, CommandParser
+from app.condition_option import add_condition
 from app.interruption import interruptible
-from app.options import add_condition, add_config, add_settings
+from app.options import add_config, add_settings
 
 Commands = Any
 """What ``add_subparsers`` returns."""

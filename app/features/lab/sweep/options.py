@@ -6,9 +6,10 @@ import argparse
 from pathlib import Path
 
 from app.command_parser import CommandParser
+from app.condition_option import add_condition
 from app.features.lab.evaluate_options import add_workers
 from app.interruption import interruptible
-from app.options import add_condition, add_config
+from app.options import add_config
 
 EXAMPLE = """\
 A sweep file names settings by their path (docs/configuration.md) and their values:
