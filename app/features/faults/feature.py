@@ -4,7 +4,7 @@ from app.feature import Feature, Late, RunOptions
 
 FEATURE = Feature(
     name="faults",
-    about="changes what is wrong with a simulated robot while it drives, from the page",
+    about="a simulated robot is made worse: from the start, and by the page while it drives",
     run_options=(
         RunOptions(
             Late("app.features.faults.run_options:add"),

@@ -265,7 +265,7 @@ class Monitor:
         self._fit.observe(self._evidence, rays, hypothesis.pose, expected)
         self._last = hypothesis, odometry
         self._variances = np.maximum(covariance.diagonal(), NARROWS * self._variances)
-        errors = self._odometry.errors
+        earlier = self._odometry.errors
         # At a wrong place, nothing can be learnt about the robot's errors.
         trusted = hypothesis.weight > ONLY_PLACE and self._fit.fits and used > EXPLAINED * returned
         if trusted:
@@ -296,7 +296,7 @@ class Monitor:
         rest = findings.odometry.rest
         self._torn = float(rest.max()) > TORN
         self.slips = self._slip.explains(rest, TORN)
-        if findings.odometry is not errors:
+        if findings.odometry is not earlier:  # a step was compared
             self._try_map(usual=float(rest[:2].max()) <= USUAL)
         self._sways = self._torn and not self.slips and float(rest[:2].max()) < USUAL
         self.doubt = self._doubt(hypothesis.pose, findings)

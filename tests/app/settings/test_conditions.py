@@ -73,6 +73,12 @@ def test_a_real_robot_has_the_conditions_that_it_has(capsys):
     assert "--condition has no effect with --robot buildhat" in capsys.readouterr().err
 
 
+def test_without_faults_there_is_no_condition(capsys):
+    with pytest.raises(SystemExit):
+        parse(["run", "--without", "faults", "--condition", "askew"])
+    assert "--condition" in capsys.readouterr().err
+
+
 def test_a_sweep_file_names_conditions(tmp_path):
     path = tmp_path / "worse.toml"
     path.write_text(
