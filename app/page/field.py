@@ -7,6 +7,7 @@ from fastapi import APIRouter, Response
 
 from app.engine.program import Program
 from app.messages.answers import FieldMessage, FieldsMessage, ParameterMessage, content
+from app.page.compressed_route import CompressedRoute
 from app.page.parameters import parameter_messages
 from app.page.shown_floor import shown_floor
 from app.page.telemetry import field_message
@@ -15,7 +16,7 @@ from app.settings.field_names import listed_fields
 
 def field_router(program: Program) -> APIRouter:
     """Serve the field and the parameters."""
-    router = APIRouter()
+    router = APIRouter(route_class=CompressedRoute)
     smallest = (cv2.IMWRITE_PNG_COMPRESSION, 9)  # a third of the usual size
     _, picture = cv2.imencode(".png", shown_floor(program.field), smallest)
     png = picture.tobytes()

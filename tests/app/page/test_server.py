@@ -82,6 +82,17 @@ def test_parameters_have_meanings_and_ranges(server):
     assert all(parameter.meaning for parameter in found)
 
 
+@pytest.mark.parametrize("path", ["/api/field", "/api/parameters"])
+def test_long_answers_are_compressed_for_those_who_take_it(server, path):
+    plain = get(server, path, **{"Accept-Encoding": "identity"})
+    small = get(server, path, **{"Accept-Encoding": "gzip"})
+    assert "Content-Encoding" not in plain.headers and small.headers["Content-Encoding"] == "gzip"
+    assert plain.headers["Vary"] == small.headers["Vary"] == "Accept-Encoding"
+    assert small.json() == plain.json()
+    assert int(small.headers["Content-Length"]) == small.num_bytes_downloaded
+    assert small.num_bytes_downloaded < 0.4 * len(plain.content)
+
+
 def test_a_ray_tells_why_it_counted(server):
     found = [
         ProfileMessage.model_validate_json(get(server, f"/api/ray/{ray}").text)
