@@ -23,7 +23,7 @@ from robot.localization.monitoring.mounting_check import HELD, LASER, CameraPosi
 from robot.localization.monitoring.odometry_check import OdometryCheck, OdometryErrors
 from robot.localization.monitoring.scan_residuals import GATE, residual_sums
 from robot.localization.monitoring.slip_check import SLIPS, SPREADS, SlipCheck
-from robot.localization.monitoring.steady_errors import SCALE_DOUBTED, SteadyErrors, pose_errors
+from robot.localization.monitoring.steady_errors import SteadyErrors, pose_errors
 from robot.localization.ray_evidence import RayEvidence, ends_of_seen
 from robot.localization.scan_matching import SLOPE, ScanMatcher
 from robot.scan import Scan, rays_of
@@ -77,6 +77,9 @@ HIDDEN = 2.0
 """Factor on the variance of errors that cannot be excluded, while slip, or another error that is
 told, hides them. Half: with all errors at once (``slip_check.py``) 0.9 % are certain and wrong, not
 0.1; twice: 90.7 % certain on a slippery floor instead of 96.5."""
+SCALE_SD, SCALE_DOUBTED = 0.008, 0.015
+"""Standard deviation of the scale of a map that is not doubted, and of one that is. Half of
+SCALE_SD: misleading in 0.8 % instead of 0.7; twice: in 0.2, and as many certain (``--few``)."""
 LAID = np.diag(np.square([0.010, 0.010, 0.020]))
 """Covariance of where tape lies that somebody laid by hand, and of its direction, which counts
 from a step that does not fit the map as usual on [m², m², rad²]. Half of these deviations: on *tee*
@@ -84,8 +87,9 @@ from a step that does not fit the map as usual on [m², m², rad²]. Half of the
 15 % are certain, not 56."""
 REFUTED = 60
 """After this many usual steps, tape lies where it is drawn. With none 0.64 % are certain and wrong
-on floors that are 3 % smaller, not 0.13; half and twice: nothing changes beyond chance (as
-``mounting_check.TRIED_TO``, of which these had half)."""
+on floors that are 3 % smaller, not 0.13; half and twice: nothing changes beyond chance (``brickpose
+evaluate integrity --map square tee stub town --start known --condition enlarged shrunk --first-seed
+24600 --seeds 2 --laps 1``)."""
 SAME_TILT = math.radians(0.03)
 """Tilts that differ by less [rad] shift a pose by less than scans do."""
 LEAST_LATE = 0.001
@@ -243,12 +247,9 @@ class Monitor:
             roll,
             self._camera.exactness,
         )
-        far = expected is not None and (
-            expected.distance_to(hypothesis.pose) > JUMP
-            or abs(expected.turn_to(hypothesis.pose)) > JUMP_TURN
-        )
+        far = expected is not None and _is_far(expected, hypothesis.pose)
         # A pose sways by which hardly any edges are seen.
-        view = self._camera.view_variance(sums)
+        view = self._camera.view_variance(sums, SCALE_SD)
         covariance = hypothesis.covariance + self.of_clearing
         unsure = self._variances + covariance.diagonal()
         unsure[:2] += 0.5 * view
@@ -296,8 +297,7 @@ class Monitor:
         rest = findings.odometry.rest
         self._torn = float(rest.max()) > TORN
         self.slips = self._slip.explains(rest, TORN)
-        if findings.odometry is not earlier:  # a step was compared
-            self._try_map(usual=float(rest[:2].max()) <= USUAL)
+        self._due = self._steps_due(rest, compared=findings.odometry is not earlier)
         self._sways = self._torn and not self.slips and float(rest[:2].max()) < USUAL
         self.doubt = self._doubt(hypothesis.pose, findings)
 
@@ -330,15 +330,6 @@ class Monitor:
             self._tilt_of_steps = self._camera.applied
             self._odometry.jump()
 
-    def _try_map(self, *, usual: bool) -> None:
-        """Let a step tell whether tape lies where it is drawn, and the floor is as large."""
-        if not (usual or self.slips):
-            self._due = REFUTED
-        elif self._due:
-            self._due -= 1
-        elif self._odometry.settled and (self.slips or not self._torn):
-            self._camera.try_scale()
-
     def _expected(self, odometry: Pose2) -> Pose2 | None:
         """Return the last pose, moved on by odometry; None without a last pose."""
         if self._last is None:
@@ -359,6 +350,15 @@ class Monitor:
         jolt = JOLT_TURN * loose
         return math.hypot(offset.x, offset.y) > JOLT + way or abs(offset.theta) > jolt + turn
 
+    def _steps_due(self, rest: Array, *, compared: bool) -> int:
+        """Return how many usual steps are due after one; only those compared with odometry count.
+
+        What slipping wheels explain tells nothing of the tape.
+        """
+        if float(rest[:2].max()) > USUAL and not self.slips:
+            return REFUTED
+        return max(self._due - compared, 0)
+
     def _looseness(self, findings: Findings) -> float:
         if self._odometry.standing > 0:
             return LOOSEST
@@ -375,7 +375,7 @@ class Monitor:
     def _doubt(self, pose: Pose2, findings: Findings) -> Doubt:
         errors = findings.odometry
         mapped = any(alert.cause is Cause.MAP for alert in self._causes.alerts)
-        caused = self._camera.pose_error(SCALE_DOUBTED if mapped else self._camera.scale_sd)
+        caused = self._camera.pose_error(SCALE_DOUBTED if mapped else SCALE_SD)
         motion = pose.theta, self._odometry.twist.v, self._odometry.twist.omega
         known, unknown = pose_errors(
             *motion, errors.values, errors.covariance, self.lateness, *caused
@@ -398,3 +398,7 @@ class Monitor:
     def _agrees(self) -> bool:
         """Whether the last scans fit, and it is known how far steps may differ from odometry."""
         return self._fit.fits and (self.slips or self._sways or not self._torn)
+
+
+def _is_far(expected: Pose2, pose: Pose2) -> bool:
+    return expected.distance_to(pose) > JUMP or abs(expected.turn_to(pose)) > JUMP_TURN

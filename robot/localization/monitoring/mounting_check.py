@@ -15,12 +15,7 @@ from robot.camera import FloorView
 from robot.compiling import compiled
 from robot.covariance import inverse
 from robot.geometry import Array
-from robot.localization.monitoring.steady_errors import (
-    MEMORY,
-    SCALE_DOUBTED,
-    SCALE_SD,
-    SteadyErrors,
-)
+from robot.localization.monitoring.steady_errors import MEMORY, SteadyErrors
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,11 +72,6 @@ STANDS_OUT, EXPLAINS = 2.0, 0.3
 """A tilt is taken off the scans if it exceeds this many standard deviations, and explains more than
 this share of the residuals. Half of STANDS_OUT: no claim changes; twice: nothing changes beyond
 chance (``--few``)."""
-TRIED_TO = 0.012
-"""Steps try a map's scale to this, over a metre between what it was seen from [m]. Half: on floors
-that are 3 % smaller 0.13 % are certain and wrong, not none; a quarter: the same; as many are
-certain (``brickpose evaluate integrity --map square tee stub town --start known --condition
-enlarged shrunk --first-seed 24600 --seeds 2 --laps 1``)."""
 USUAL = SteadyErrors()
 BLEND = 0.2
 """Share of a change of the tilt that is taken off the next scan."""
@@ -120,8 +110,6 @@ class MountingCheck:
         self._rays = 0.0
         self._pose_by_errors = np.zeros((3, 3))
         """(3, 3) pose error [m, m, rad] per unit of pitch, roll and scale, at the last scan."""
-        self._tried = np.full(2, np.inf), np.full(2, -np.inf)
-        """Least and largest shift of the place per unit of scale, by views that fit each other."""
         self.exactness = 0.25
         """How far rays lie from their edges, in usual spreads."""
         self.applied = np.zeros(2)
@@ -163,25 +151,10 @@ class MountingCheck:
         pitch, roll, scale = values.tolist()
         return ApparentErrors(pitch, roll, scale, covariance, explained, rest)
 
-    def try_scale(self) -> None:
-        """Let the last scan's view try the map's scale: the step to it fitted odometry.
-
-        Tape that is seen on the left says where a robot is on a floor that is too large otherwise
-        than tape on the right.
-        """
-        view, (least, largest) = self._pose_by_errors[:2, 2], self._tried
-        self._tried = np.minimum(least, view), np.maximum(largest, view)
-
-    @property
-    def scale_sd(self) -> float:
-        """Standard deviation of the map's scale [-], as far as views have tried it."""
-        apart = float(np.hypot(*np.maximum(self._tried[1] - self._tried[0], 0.0)))
-        return max(SCALE_SD, 1 / math.hypot(1 / SCALE_DOUBTED, apart / TRIED_TO))
-
-    def view_variance(self, sums: Array) -> float:
+    def view_variance(self, sums: Array, scale_sd: float) -> float:
         """Return the variance [m²] of how far steady errors move the place by a scan's new view."""
         changed = (_project_out_pose(sums, self._pose_by_errors)[1] - self._pose_by_errors)[:2]
-        spreads = self.error.covariance + np.diag([0.0, 0.0, SCALE_SD**2])
+        spreads = self.error.covariance + np.diag([0.0, 0.0, scale_sd**2])
         return float(np.trace(changed @ spreads @ changed.T))
 
     def pose_error(self, scale_sd: float) -> tuple[Array, Array]:

@@ -22,10 +22,6 @@ CHANGED = np.array([0.002, 0.005, 0.1, 0.01, 0.0003, 0.0003, 0.001])
 """How far a calibrated robot may have changed since: tyres wear, cameras are late by turns."""
 CAREFUL_MOUNT = np.array([math.radians(0.3), math.radians(0.3), 0.0015])
 """Of the camera's pitch and roll [rad], if it was mounted with care, and of the map's scale."""
-SCALE_SD, SCALE_DOUBTED = 0.008, 0.015
-"""Standard deviation of the scale of a map that was tried, and of one that was not, or is doubted.
-Half of SCALE_SD: misleading in 0.8 % instead of 0.7; twice: in 0.2, and as many certain
-(``--few``)."""
 SAME_MOUNT = math.radians(0.03)
 """How far a mast may have bent since its calibration [rad]."""
 

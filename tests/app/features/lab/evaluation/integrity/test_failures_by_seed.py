@@ -225,15 +225,9 @@ def test_tape_that_was_laid_by_hand_turns_the_robot_by_no_more_than_is_claimed()
     assert longest(claims.stamps, misleading(claims)) < 0.2
 
 
-@pytest.mark.parametrize(
-    ("name", "condition", "seed"), [("square", "enlarged", 20850), ("tee", "shrunk", 20501)]
-)
-def test_a_floor_of_another_size_is_doubted_until_it_was_tried(
-    name: str, condition: str, seed: int
-) -> None:
-    """Nothing had tried the drawing's size after the first side of it: 26 mm off where 23 were
-    claimed, for 1 s; or what had shown that it is wrong was forgotten after 3 s, for 2 s."""
-    claims = mishap_claims(name, condition, seed, 0.5)
+def test_what_showed_that_the_tape_is_not_as_drawn_is_not_forgotten() -> None:
+    """It was after 3 s: 29 mm off where 23 were claimed, for 2 s."""
+    claims = mishap_claims("tee", "shrunk", 20501, 0.5)
     assert not misleading(claims).any()
     assert np.mean([state in BOUNDED for state in claims.states]) > 0.3
 
