@@ -11,7 +11,7 @@ from __future__ import annotations
 import shapely
 
 WIDEST_M = 0.001
-"""Narrower gaps are closed [m]: a pixel of the floor picture."""
+"""Narrower gaps across tape are closed [m]: a pixel of the floor picture."""
 ACROSS = 1.5
 """A slit across tape is no longer than this many widths of it."""
 UNSEEN_M = 0.00025

@@ -148,7 +148,7 @@ STRIPS = shapely.box(0, 0, 1, 0.1)
 @pytest.mark.parametrize(("gap", "length"), [(0.0003, 2), (0.0009, 2), (0.0015, 2), (0.0015, 0.03)])
 def test_gaps_that_a_camera_sees_stay(gap: float, length: float) -> None:
     tape = cut(STRIPS, gap, length)
-    assert shapely.area(shapely.symmetric_difference(without_slits(tape, 0.05), tape)) < 1e-9
+    assert without_slits(tape, 0.05) is tape
 
 
 @pytest.mark.parametrize(
