@@ -239,7 +239,10 @@ class Localizer:
         estimate = replace(estimate, hypotheses=(heaviest, *estimate.hypotheses[1:]))
         self._concluded = estimate.hypotheses
         self.integrity = self._claim()
-        self._was_certain = self.integrity.state in BOUNDED
+        fitted = self.monitor is None or self.monitor.newest_fits
+        self._was_certain = fitted and self.integrity.state in BOUNDED
+        # A cloud around a given start narrows by some scans, also while the robot stands.
+        self._forced = not fitted and self._standing(heaviest.pose) is Standing.GIVEN
         return estimate
 
     def estimate(self, stamp: float) -> Estimate | None:

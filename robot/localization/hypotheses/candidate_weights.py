@@ -15,6 +15,8 @@ from robot.localization.parameters import HypothesisParameters
 EQUAL = -3.0
 """Log-weight relative to the heaviest place from which on the images of a place are followed.
 Half: certain in 31.9 % of pictures instead of 30.5; twice: 30.0; misleading as often."""
+OPEN = -10.0
+"""A place that fits a short map worse by more, as log-weight, is refuted by it."""
 
 
 def missing_images(
@@ -94,42 +96,38 @@ def _reference(search: PlaceSearch, tracks: Sequence[Track]) -> tuple[Rescored, 
     return search.best_rescored, 0.0
 
 
-def equal_tracks(
-    search: PlaceSearch, tracks: Sequence[Track], p: HypothesisParameters
+def rival_poses(
+    search: PlaceSearch,
+    tracks: Sequence[Track],
+    places: Sequence[FoundPlace],
+    symmetries: Sequence[Pose2],
+    p: HypothesisParameters,
+    least: float,
 ) -> list[Pose2]:
-    """Return the poses of the other tracks that fit the short map about as well as the heaviest.
+    """Return where the robot may be besides the heaviest track, and at no image of that.
 
     A search may take two places that are near each other for one. The fit of the last scans decides
     for a track that shares its place with the heaviest, or that the search did not replay.
+
+    Args:
+        search: a finished search.
+        tracks: heaviest first.
+        places: places that the search has found beside the tracks.
+        symmetries: the field's symmetries, as transformations of the map.
+        p: the parameters; they say how close two poses are one place.
+        least: log-weight by the short map, relative to the heaviest, from which on a place counts.
     """
+    images = [turned @ track.pose for track in tracks[:1] for turned in symmetries]
     leader = search.rescored_at(tracks[0].pose) if tracks else None
     worth = p.scan_worth * search.scans / search.scans_replayed
 
-    def is_equal(track: Track) -> bool:
+    def fits(track: Track) -> bool:
         candidate = search.rescored_at(track.pose)
         if candidate is None or leader is None or candidate is leader:
-            return track.fits_like_best
+            return track.fits_like_best or least < EQUAL
         gain = candidate.fits + candidate.unseen - (leader.fits + leader.unseen)
-        return worth * float(gain.sum()) > EQUAL
+        return worth * float(gain.sum()) > least
 
-    return [track.pose for track in tracks[1:] if is_equal(track)]
-
-
-def has_rival(
-    tracks: Sequence[Track],
-    places: Sequence[FoundPlace],
-    followed: Sequence[Pose2],
-    symmetries: Sequence[Pose2],
-    p: HypothesisParameters,
-) -> bool:
-    """Whether another place fits about as well as the heaviest, and is no image of it.
-
-    Args:
-        places: places that a search has found beside the tracks.
-        followed: poses of the other tracks that fit as well as the heaviest.
-        symmetries: the field's symmetries, as transformations of the map.
-        p: the parameters; they say how close two poses are one place.
-    """
-    images = [turned @ track.pose for track in tracks[:1] for turned in symmetries]
-    equal = [place.pose for place in places if place.log_evidence > EQUAL]
-    return any(not any(p.alike(pose, image) for image in images) for pose in (*equal, *followed))
+    poses = [place.pose for place in places if place.log_evidence > least]
+    poses += [track.pose for track in tracks[1:] if fits(track)]
+    return [pose for pose in poses if not any(p.alike(pose, image) for image in images)]

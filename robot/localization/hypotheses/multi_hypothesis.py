@@ -17,9 +17,10 @@ from robot.geometry import Array, Pose2
 from robot.localization.estimate import Hypothesis, Standing
 from robot.localization.filter import Cloud, Setup
 from robot.localization.hypotheses.candidate_weights import (
-    equal_tracks,
-    has_rival,
+    EQUAL,
+    OPEN,
     missing_images,
+    rival_poses,
     weigh_places,
 )
 from robot.localization.hypotheses.confirmation import Confirmation
@@ -198,6 +199,7 @@ class MultiHypothesisFilter:
         for track in self._tracks:
             track.filter.predict(moved)
         self._searches.move(moved)
+        self._confirmation.move(moved)
         self._priors = [prior.moved(moved, self.setup.motion) for prior in self._priors]
 
     def correct(self, scan: Scan) -> None:
@@ -299,9 +301,11 @@ class MultiHypothesisFilter:
         whole = search.whole and not self._priors and not old
         lost = self._elsewhere.log_weight
         places = weigh_places(search, self._tracks, self._priors, lost, whole, p)
-        followed = equal_tracks(search, self._tracks, p)
-        rival = has_rival(self._tracks, places, followed, self.setup.field.symmetries, p)
-        self._confirmation.end(self._scans, rival)
+        found = search, self._tracks, places, self.setup.field.symmetries, p
+        rivals, left = rival_poses(*found, EQUAL), rival_poses(*found, OPEN)
+        # If most of what was found is open, more may be, and was not found.
+        complete = len(search.found) < p.max_hypotheses or 2 * len(left) < p.max_hypotheses
+        self._confirmation.end(self._scans, rivals, left if complete else None)
         before = len(self._tracks)
         for place in places:
             if place.log_weight > p.log_hopeless:

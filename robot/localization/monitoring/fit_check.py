@@ -36,6 +36,8 @@ class FitCheck:
     def restart(self) -> None:
         """Begin again with a good fit."""
         self._mean = 1.0
+        self.newest_fits = True
+        """Whether the newest scan alone fits there."""
         self.change = 0.0
         """Change of a ray's log-likelihood by scans that moved the pose to a worse fit (<= 0)."""
 
@@ -64,6 +66,7 @@ class FitCheck:
         if not fits:
             return
         latest, *before = fits
+        self.newest_fits = latest > 0
         self._mean += NEWEST_SHARE * (min(latest, 1.0) - self._mean)
         for fit in before:
             # A scan may move the pose anywhere from a place that did not fit anyway.

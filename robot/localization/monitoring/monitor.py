@@ -77,9 +77,6 @@ HIDDEN = 2.0
 """Factor on the variance of errors that cannot be excluded, while slip, or another error that is
 told, hides them. Half: with all errors at once (``slip_check.py``) 0.9 % are certain and wrong, not
 0.1; twice: 90.7 % certain on a slippery floor instead of 96.5."""
-SCALE_SD, SCALE_DOUBTED = 0.008, 0.015
-"""Standard deviation of the scale of a map that is not doubted, and of one that is. Half of
-SCALE_SD: misleading in 0.8 % instead of 0.7; twice: in 0.2, and as many certain (``--few``)."""
 LAID = np.diag(np.square([0.010, 0.010, 0.020]))
 """Covariance of where tape lies that somebody laid by hand, and of its direction, which counts
 from a step that does not fit the map as usual on [m², m², rad²]. Half of these deviations: on *tee*
@@ -125,6 +122,7 @@ class Monitor:
         self._measured = np.diag(errors.measured**2)
         """Covariance (3, 3) of what a calibration leaves open, along the robot's axes."""
         self._causes = Causes()
+        self._camera = MountingCheck(errors)
         self._stamp: float | None = None
         self._seen = -math.inf
         """Stamp at which edges were last seen [s]."""
@@ -136,7 +134,7 @@ class Monitor:
     def forget(self) -> None:
         """Forget the robot's errors and the steps so far: what was seen has another reason."""
         self._odometry = OdometryCheck(self._errors)
-        self._camera = MountingCheck(self._errors)
+        self._camera.forget()
         self._due = 0
         """How many usual steps are due until tape lies where it is drawn."""
         self._tilt_of_steps = np.zeros(2)
@@ -249,7 +247,7 @@ class Monitor:
         )
         far = expected is not None and _is_far(expected, hypothesis.pose)
         # A pose sways by which hardly any edges are seen.
-        view = self._camera.view_variance(sums, SCALE_SD)
+        view = self._camera.view_variance(sums)
         covariance = hypothesis.covariance + self.of_clearing
         unsure = self._variances + covariance.diagonal()
         unsure[:2] += 0.5 * view
@@ -297,7 +295,8 @@ class Monitor:
         rest = findings.odometry.rest
         self._torn = float(rest.max()) > TORN
         self.slips = self._slip.explains(rest, TORN)
-        self._due = self._steps_due(rest, compared=findings.odometry is not earlier)
+        if findings.odometry is not earlier:
+            self._try_map(usual=float(rest[:2].max()) <= USUAL)
         self._sways = self._torn and not self.slips and float(rest[:2].max()) < USUAL
         self.doubt = self._doubt(hypothesis.pose, findings)
 
@@ -319,6 +318,11 @@ class Monitor:
     def fits_clearly(self) -> bool:
         """Whether not even the newest scan gives reason to look again."""
         return self._fit.fits_clearly
+
+    @property
+    def newest_fits(self) -> bool:
+        """Whether the newest scan fits where the robot should be."""
+        return self._fit.newest_fits
 
     def _follow_tilt(self) -> None:
         """Take a tilt off the next scans, and compare steps anew when it changes.
@@ -350,14 +354,14 @@ class Monitor:
         jolt = JOLT_TURN * loose
         return math.hypot(offset.x, offset.y) > JOLT + way or abs(offset.theta) > jolt + turn
 
-    def _steps_due(self, rest: Array, *, compared: bool) -> int:
-        """Return how many usual steps are due after one; only those compared with odometry count.
-
-        What slipping wheels explain tells nothing of the tape.
-        """
-        if float(rest[:2].max()) > USUAL and not self.slips:
-            return REFUTED
-        return max(self._due - compared, 0)
+    def _try_map(self, *, usual: bool) -> None:
+        """Let a step tell whether tape lies where it is drawn, and the floor is as large."""
+        if not (usual or self.slips):
+            self._due = REFUTED
+        elif self._due:
+            self._due -= 1
+        elif self._odometry.settled and (self.slips or not self._torn):
+            self._camera.try_scale()
 
     def _looseness(self, findings: Findings) -> float:
         if self._odometry.standing > 0:
@@ -375,7 +379,7 @@ class Monitor:
     def _doubt(self, pose: Pose2, findings: Findings) -> Doubt:
         errors = findings.odometry
         mapped = any(alert.cause is Cause.MAP for alert in self._causes.alerts)
-        caused = self._camera.pose_error(SCALE_DOUBTED if mapped else SCALE_SD)
+        caused = self._camera.pose_error(map_doubted=mapped)
         motion = pose.theta, self._odometry.twist.v, self._odometry.twist.omega
         known, unknown = pose_errors(
             *motion, errors.values, errors.covariance, self.lateness, *caused

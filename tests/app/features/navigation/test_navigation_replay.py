@@ -41,9 +41,9 @@ def replayed(tmp_path_factory):
     for _ in range(round(LONGEST_S / PERIOD)):
         if step(RENEW) == "arrived":
             break
-    # The replay's own estimate may be there some ticks later.
-    for _ in range(25):
-        step()
+    # The replay plans at its own pace, and may be there some ticks later.
+    for _ in range(100):
+        step(RENEW)
     step(goal(-0.2, -0.1, 0.0))
     for _ in range(100):
         step(RENEW)

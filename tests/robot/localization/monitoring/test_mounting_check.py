@@ -130,7 +130,7 @@ def test_noise_alone_is_no_tilt(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_tilt_that_stands_out_is_taken_off_and_the_rest_of_it_is_small() -> None:
     check, error = checked(FIELDS["stub"], HALF_A_DEGREE, 0.0, seconds=4.0)
     assert check.applied[0] == pytest.approx(error.pitch, abs=math.radians(0.02))
-    mean, covariance = check.pose_error(0.004)
+    mean, covariance = check.pose_error()
     assert np.hypot(*mean[:2]) < 0.004
     assert (np.linalg.eigvalsh(covariance) >= 0).all()
 
@@ -241,15 +241,29 @@ def test_where_a_scan_tells_nothing_the_pose_stays_as_far_off_as_it_was() -> Non
     ahead[np.ix_([0, 5], [0, 5])] = 1e8  # d = x + scale, with an edge at x = 1
     aside[np.ix_([1, 5], [1, 5])] = 1e8
     check.look(ahead)
-    mean, covariance = check.pose_error(0.01)
+    mean, covariance = check.pose_error()
     assert mean == pytest.approx(0)
-    assert np.sqrt(covariance.diagonal()) == pytest.approx([0.01, 0, 0], rel=0.05)
+    assert np.sqrt(covariance.diagonal()) == pytest.approx([0.015, 0, 0], rel=0.05)
     check.look(aside)
-    _, covariance = check.pose_error(0.01)
-    assert np.sqrt(covariance.diagonal()) == pytest.approx([0.01, 0.01, 0], rel=0.05)
+    _, covariance = check.pose_error()
+    assert np.sqrt(covariance.diagonal()) == pytest.approx([0.015, 0.015, 0], rel=0.05)
     check.look(ahead)
-    _, covariance = check.pose_error(0.01)
-    assert np.sqrt(covariance.diagonal()) == pytest.approx([0.01, 0.01, 0], rel=0.05)
+    _, covariance = check.pose_error()
+    assert np.sqrt(covariance.diagonal()) == pytest.approx([0.015, 0.015, 0], rel=0.05)
+
+
+@pytest.mark.parametrize(("at", "sd"), [(1.0, 0.015), (0.5, 0.0127), (-1.0, 0.008)])
+def test_a_maps_scale_is_tried_by_edges_that_lie_apart(at: float, sd: float) -> None:
+    """An edge a metre ahead of the origin, then one elsewhere: a larger floor has them apart."""
+    check = MountingCheck()
+    assert check.scale_sd == 0.015
+    for edge in (1.0, at, at):
+        row = np.array([1.0, 0.0, 0.0, 0.0, 0.0, edge, 0.0])
+        check.look(1e8 * np.outer(row, row))
+        check.try_scale()
+    assert check.scale_sd == pytest.approx(sd, rel=0.01)
+    check.forget()  # the robot was moved; the floor is the same
+    assert check.scale_sd == pytest.approx(sd, rel=0.01)
 
 
 @pytest.mark.parametrize("crossing", [0.0, 0.001, 0.01, 0.1])
@@ -262,7 +276,7 @@ def test_edges_that_are_nearly_parallel_shift_no_pose_by_metres(crossing: float)
         scan += 1e8 * np.outer(row, row)
     for _ in range(30):
         check.look(scan)
-    _, covariance = check.pose_error(0.01)
+    _, covariance = check.pose_error()
     x, y, _ = np.sqrt(covariance.diagonal())
-    assert x < 0.1
-    assert 0.01 < y < 0.014
+    assert x < 0.15
+    assert 0.015 < y < 0.021
