@@ -301,8 +301,8 @@ class MultiHypothesisFilter:
         whole = search.whole and not self._priors and not old
         lost = self._elsewhere.log_weight
         places = weigh_places(search, self._tracks, self._priors, lost, whole, p)
-        found = search, self._tracks, places, self.setup.field.symmetries, p
-        rivals, left = rival_poses(*found, EQUAL), rival_poses(*found, OPEN)
+        known = search, self._tracks, places, self.setup.field.symmetries, p
+        rivals, left = rival_poses(*known, EQUAL), rival_poses(*known, OPEN)
         # If most of what was found is open, more may be, and was not found.
         complete = len(search.found) < p.max_hypotheses or 2 * len(left) < p.max_hypotheses
         self._confirmation.end(self._scans, rivals, left if complete else None)
