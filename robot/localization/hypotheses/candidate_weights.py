@@ -16,7 +16,8 @@ EQUAL = -3.0
 """Log-weight relative to the heaviest place from which on the images of a place are followed.
 Half: certain in 31.9 % of pictures instead of 30.5; twice: 30.0; misleading as often."""
 OPEN = -10.0
-"""A place that fits a short map worse by more, as log-weight, is refuted by it."""
+"""A place that fits a short map worse by more, as log-weight, is refuted by it. Half and twice: no
+claim of 36 robots changes (docs/integrity.md: scattered and carried ones of the default)."""
 
 
 def missing_images(
