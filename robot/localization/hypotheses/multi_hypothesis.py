@@ -303,8 +303,9 @@ class MultiHypothesisFilter:
         places = weigh_places(search, self._tracks, self._priors, lost, whole, p)
         known = search, self._tracks, places, self.setup.field.symmetries, p
         rivals, left = rival_poses(*known, EQUAL), rival_poses(*known, OPEN)
-        # If most of what was found is open, more may be, and was not found.
+        # If most of what was found is open, more may be; anything may, on floor that nobody saw.
         complete = len(search.found) < p.max_hypotheses or 2 * len(left) < p.max_hypotheses
+        complete &= not any(each.unseen.any() for each in search.found)
         self._confirmation.end(self._scans, rivals, left if complete else None)
         before = len(self._tracks)
         for place in places:
