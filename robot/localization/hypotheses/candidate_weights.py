@@ -107,8 +107,8 @@ def rival_poses(
 ) -> list[Pose2]:
     """Return where the robot may be besides the heaviest track, and at no image of that.
 
-    A search may take two places that are near each other for one. The fit of the last scans decides
-    for a track that shares its place with the heaviest, or that the search did not replay.
+    A search may take two places that are near each other for one. For a track that shares its place
+    with the heaviest, or was not replayed, the last scans decide; below ``EQUAL`` it always counts.
 
     Args:
         search: a finished search.

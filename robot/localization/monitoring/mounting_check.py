@@ -167,7 +167,7 @@ class MountingCheck:
         return ApparentErrors(pitch, roll, scale, covariance, explained, rest)
 
     def try_scale(self) -> None:
-        """Let the last scan's view try the map's scale: the step to it fitted odometry.
+        """Let the last scan's view try the map's scale: the step to it fitted odometry, or slip.
 
         Tape that is seen on the left says where a robot is on a floor that is too large otherwise
         than tape on the right.
